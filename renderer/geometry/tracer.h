@@ -1,0 +1,51 @@
+// Many objects behind one question: what does this ray meet? Embree answers it; a brute-force twin answers it for the tests.
+#pragma once
+
+#include "terrain/shape.h"
+
+#include <atomic>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace hoodoo {
+
+/// The winner of a ray over all objects: small; Tracer::interact tells the rest.
+struct TraceHit {
+    double t = kInfinity;
+    std::uint32_t object = 0;        ///< index into the shapes the tracer was built from
+    PatchId patch;                   ///< of a Surface; for a mesh `index` is the triangle
+    Vec2d barycentric{0.0};          ///< mesh only
+    std::uint32_t evaluations = 0;   ///< cost of the ray, set on a miss too
+    bool valid = false;              ///< whether anything was hit
+};
+
+/// Immutable after construction, thread-safe. Keeps references to the shapes: they must outlive it.
+/// Every ray passes one gate: a ray that is not finite, whose direction is not of unit length within 1e-3, or whose interval is
+/// negative or empty is counted and answered as a miss. It never reaches Embree, whose assertions would end the process.
+class Tracer {
+public:
+    virtual ~Tracer() = default;
+    TraceHit intersect(const Ray& ray) const;
+    bool occluded(const Ray& ray) const;
+    Interaction interact(const Ray& ray, const TraceHit& hit) const;
+    std::uint64_t refused_rays() const { return refused_.load(std::memory_order_relaxed); }
+
+protected:
+    explicit Tracer(std::span<const Shape> shapes) : shapes_(shapes) {}
+    virtual TraceHit find_nearest(const Ray& ray) const = 0;
+    virtual bool find_any(const Ray& ray) const = 0;
+    std::span<const Shape> shapes_;
+
+private:
+    bool passes_gate(const Ray& ray) const;
+    mutable std::atomic<std::uint64_t> refused_{0};
+};
+
+/// Builds Embree's BVH with at most `threads` threads of the current arena. Throws Error (memory) if Embree runs out of it.
+std::unique_ptr<Tracer> make_embree_tracer(std::span<const Shape> shapes);
+
+/// A loop over every patch and triangle in double precision: the oracle.
+std::unique_ptr<Tracer> make_brute_force_tracer(std::span<const Shape> shapes);
+
+}  // namespace hoodoo

@@ -1,0 +1,102 @@
+// What a ray can hit. A representation of terrain implements these verbs and nothing else: no emission, no parsing, no Embree.
+#pragma once
+
+#include "terrain/math/vec.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hoodoo {
+
+/// A piece of a surface with a proved box of its own. Tiles are what an edit rebuilds; patches are what a ray meets.
+struct PatchId {
+    std::uint32_t tile = 0;
+    std::uint32_t index = 0;
+};
+
+/// Made while traversing: small on purpose. `t` is also the far limit of the search: start it at ray.t_max.
+struct Hit {
+    double t = kInfinity;            ///< metres along the ray
+    PatchId patch;
+    std::uint32_t evaluations = 0;   ///< field evaluations spent so far on this ray: the cost image
+};
+
+/// Shares of the materials seen at a point. `index` counts in Surface::materials(); weights are >= 0 and sum to 1.
+struct MaterialWeights {
+    static constexpr std::size_t capacity = 8;
+    std::array<std::uint8_t, capacity> index{};
+    std::array<float, capacity> weight{};
+    std::size_t count = 0;
+
+    void add(std::uint8_t i, float w)
+    {
+        index[count] = i;
+        weight[count++] = w;
+    }
+};
+
+/// Everything about the winner of a ray, computed once.
+struct Interaction {
+    double t = kInfinity;          ///< metres along the ray, refined: may differ from Hit::t by its stated error
+    Vec3d position{0.0};           ///< world space, metres
+    double position_error = 0.0;   ///< the true surface crosses the ray within this distance of `position`, metres
+    double spawn_offset = 0.0;     ///< position + spawn_offset * geometric_normal is proved to lie outside, metres
+    Vec3d geometric_normal{0, 0, 1};  ///< unit, towards air (a mesh: towards its front side)
+    Vec3d shading_normal{0, 0, 1};    ///< unit, in the hemisphere of geometric_normal
+    Vec2d uv{0.0};                 ///< surface coordinates where the representation has them, else 0
+    Vec3d texture_point{0.0};      ///< where procedural and triplanar textures are looked up (rest space), metres
+    MaterialWeights materials;
+};
+
+/// What `hoodoo info` prints about a terrain. Zero where a representation has no such thing.
+struct SurfaceInfo {
+    std::uint64_t columns = 0;
+    std::uint64_t layers = 0;       ///< after merging equal neighbours; implicit base and top air not counted
+    std::uint64_t stack_bytes = 0;  ///< the terrain itself
+    std::uint64_t trace_bytes = 0;  ///< what tracing adds to it, without Embree's own BVH
+    std::uint64_t patches = 0;
+    double build_seconds = 0.0;
+};
+
+/// All functions are const, pure and thread-safe after construction.
+class Surface {
+public:
+    virtual ~Surface() = default;
+
+    virtual std::uint32_t tile_count() const { return 1; }
+    virtual std::uint32_t patch_count(std::uint32_t tile) const = 0;
+
+    /// Proved: contains every point at which intersect() may report a hit of this patch. World space; the caller adds what its own number format needs.
+    virtual Box3d patch_bounds(PatchId patch) const = 0;
+
+    /// Nearest crossing of the kind ray.crossing with t in (ray.t_min, hit.t). If there is one: sets hit.t and hit.patch, returns true.
+    /// Otherwise leaves them alone. Adds its cost to hit.evaluations in both cases.
+    virtual bool intersect(PatchId patch, const Ray& ray, Hit& hit) const = 0;
+
+    /// Whether intersect() would find anything. An override must agree with it.
+    virtual bool occluded(PatchId patch, const Ray& ray) const
+    {
+        Hit hit;
+        hit.t = ray.t_max;
+        return intersect(patch, ray, hit);
+    }
+
+    /// The full story of a hit that intersect() reported for this very ray.
+    virtual Interaction interact(const Ray& ray, const Hit& hit) const = 0;
+
+    /// Whether the point lies in matter (closed, so that a point on the surface may answer either).
+    virtual bool contains(const Vec3d& p) const = 0;
+
+    /// Names the weights of an Interaction refer to.
+    virtual std::vector<std::string> materials() const = 0;
+
+    /// Whether matter is bounded by the surface on all sides, so that no ray from inside escapes.
+    virtual bool closed() const = 0;
+
+    virtual SurfaceInfo info() const = 0;
+};
+
+}  // namespace hoodoo
