@@ -23,10 +23,10 @@ struct Appearance {
     Vec3d normal{0, 0, 1};     ///< unit, world space: the shading normal with bump applied, in the hemisphere of the geometric normal
 };
 
-/// One material of a scene. Immutable, thread-safe.
-class Material {
+/// How one material of a scene looks. Immutable, thread-safe.
+class Look {
 public:
-    virtual ~Material() = default;
+    virtual ~Look() = default;
     /// `footprint` is the width in metres that one lookup should average over.
     virtual Appearance appearance(const Interaction& at, double footprint) const = 0;
 };
@@ -35,9 +35,9 @@ public:
 using PathResolver = std::function<std::string(const std::string& path, const Source& where)>;
 
 /// `name` ("sand", "bedrock", ...) chooses the procedural look that a table leaves out, and the seed of its variation.
-std::unique_ptr<Material> make_material(const std::string& name, const Values& values, const ColorConverter& to_rendering, const PathResolver& resolve);
+std::unique_ptr<Look> make_look(const std::string& name, const Values& values, const ColorConverter& to_rendering, const PathResolver& resolve);
 
 /// The look of a material that the scene names nowhere.
-std::unique_ptr<Material> default_material(const std::string& name, const ColorConverter& to_rendering);
+std::unique_ptr<Look> default_look(const std::string& name, const ColorConverter& to_rendering);
 
 }  // namespace hoodoo

@@ -1,0 +1,52 @@
+// The whole program on one page: read, build, trace, develop, write.
+#pragma once
+
+#include "renderer/film/image.h"
+#include "renderer/scene/scene.h"
+
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace hoodoo {
+
+/// What the command line, Python and the C ABI may say beside the scene. Unset members come from the scene.
+struct RenderOptions {
+    std::optional<int> width, height, spp;
+    std::optional<int> replicates;
+    std::optional<PixelBounds> pixel_bounds;                 ///< half-open, y downwards
+    std::optional<std::array<double, 4>> crop_window;        ///< x0, x1, y0, y1 in [0, 1]
+    std::optional<std::uint64_t> seed;
+    int threads = 0;                                         ///< 0: all the process may use
+    int tile_size = 32;                                      ///< pixels; never changes the picture
+    bool quick = false;                                      ///< a quarter of the resolution and of the samples
+    bool pin_date = true;                                    ///< DateTime in the header is fixed, so that equal pictures are equal files
+    const std::atomic<bool>* cancel = nullptr;               ///< set it to stop
+    std::function<void(double fraction, const std::string& what)> progress;   ///< from any thread, one at a time
+};
+
+/// Overrides applied while reading: `-D key=value` fills [params], `--set path.to.key=value` replaces a value.
+struct SceneOverrides {
+    std::vector<std::pair<std::string, std::string>> params, sets;
+    std::optional<std::uint64_t> seed;
+};
+
+/// Scene file -> scene. `text_or_path`: a path, or the text itself if `is_text`. Colours go through `colorconfig` (path; empty: scene > $OCIO > ours).
+struct LoadedScene {
+    Description description;
+    std::unique_ptr<Scene> scene;
+    double build_seconds = 0.0;
+};
+LoadedScene load_scene(const std::string& text_or_path, bool is_text, const SceneOverrides& overrides, int threads = 0,
+                       const std::string& colorconfig = {}, std::function<void(double, const std::string&)> progress = {});
+
+/// Scene -> picture with its metadata. Returns an empty image if cancelled.
+Image render(const LoadedScene& loaded, const RenderOptions& options);
+
+/// Picture -> file, by its ending: .exr (linear, all channels) or .png (through the display transform of the colour configuration). Atomic and verified.
+void write_picture(const Image& image, const std::string& path, const LoadedScene& loaded, const std::string& colorconfig = {});
+
+}  // namespace hoodoo

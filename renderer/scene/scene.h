@@ -1,0 +1,63 @@
+// A world that can be lit: built from a Description, immutable afterwards, owner of everything in it.
+#pragma once
+
+#include "renderer/geometry/tracer.h"
+#include "renderer/light/light.h"
+#include "renderer/scene/camera.h"
+#include "renderer/scene/description.h"
+#include "renderer/shading/look.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace hoodoo {
+
+/// One terrain of the scene. Its index + 1 is the objectId in a picture.
+struct SceneObject {
+    std::string name;
+    std::string type;                        ///< catalogue row
+    std::vector<std::uint32_t> materials;    ///< index of MaterialWeights -> index into Scene::material_names()
+    SurfaceInfo info;                        ///< of a Surface; of a mesh: trace_bytes and patches (triangles)
+};
+
+/// How a Scene is built; every member may stay empty.
+struct SceneOptions {
+    ColorConverter to_rendering;             ///< required as soon as the scene names a colour
+    int threads = 0;
+    std::function<void(double fraction, const std::string& what)> progress;
+    bool brute_force = false;                ///< the oracle instead of Embree
+};
+
+/// Thread-safe.
+class Scene {
+public:
+    /// Throws Error (scene, file, memory) before the first ray.
+    Scene(const Description& description, const SceneOptions& options);
+
+    const Camera& camera() const { return camera_; }
+    const std::vector<Light>& lights() const { return lights_; }
+    const std::vector<SceneObject>& objects() const { return objects_; }
+    const std::vector<std::string>& material_names() const { return material_names_; }
+    const std::vector<Shape>& shapes() const { return shapes_; }
+    const Tracer& tracer() const { return *tracer_; }
+
+    /// Albedo, roughness and normal at an interaction: the materials blended by their visible shares.
+    Appearance appearance(std::uint32_t object, const Interaction& at, double footprint) const;
+
+    /// Union of the objects' bounds, metres; infinite sides cut to nothing.
+    const Box3d& bounds() const { return bounds_; }
+
+private:
+    Camera camera_;
+    std::vector<Light> lights_;
+    std::vector<Shape> shapes_;
+    std::vector<SceneObject> objects_;
+    std::vector<std::string> material_names_;
+    std::vector<std::unique_ptr<Look>> looks_;
+    std::unique_ptr<Tracer> tracer_;
+    Box3d bounds_;
+};
+
+}  // namespace hoodoo
