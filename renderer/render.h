@@ -28,12 +28,6 @@ struct RenderOptions {
     std::function<void(double fraction, const std::string& what)> progress;   ///< from any thread, one at a time
 };
 
-/// Overrides applied while reading: `-D key=value` fills [params], `--set path.to.key=value` replaces a value.
-struct SceneOverrides {
-    std::vector<std::pair<std::string, std::string>> params, sets;
-    std::optional<std::uint64_t> seed;
-};
-
 /// Scene file -> scene. `text_or_path`: a path, or the text itself if `is_text`. Colours go through `colorconfig` (path; empty: scene > $OCIO > ours).
 struct LoadedScene {
     Description description;

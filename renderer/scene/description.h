@@ -4,10 +4,20 @@
 #include "terrain/schema.h"
 
 #include <functional>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace hoodoo {
+
+/// Applied while reading: `-D key=value` fills [params], `--set path.to.key=value` replaces a value (or gives one that the file leaves out).
+/// Values are TOML; what is no TOML value is a text. `frame` and `t` may be given as params and are 0 otherwise.
+struct SceneOverrides {
+    std::vector<std::pair<std::string, std::string>> params, sets;
+    std::optional<std::uint64_t> seed;
+    std::vector<std::string> allowed_roots;   ///< folders that files may be read from, beside the scene's own folder and what lies below it
+};
 
 /// A named table [KIND.NAME] with a `type`.
 struct DescribedNode {
