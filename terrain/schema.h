@@ -78,6 +78,7 @@ struct Schema {
 };
 
 /// Checked values of one table. Getters throw an internal Error on a name the schema does not have: a typing error of ours, not of the user.
+/// An absent optional value throws too, except for lists (points, names, tables), which read as empty.
 class Values {
 public:
     bool has(const std::string& name) const;
@@ -110,6 +111,14 @@ private:
         Value value;
         Source where;
     };
+    const Entry* entry(const std::string& name) const;
+    template <class T>
+    const T& get(const std::string& name) const;
+    template <class T>
+    const std::vector<T>& get_list(const std::string& name) const;
+    void read(const Parameter& parameter, const Node& node, bool in_degrees, std::vector<Problem>& problems);
+    void fill(const Parameter& parameter);
+
     std::map<std::string, Entry> entries_;
     std::vector<std::string> known_;   ///< all names of the schema
     std::string variant_;
