@@ -161,6 +161,8 @@ protected:
         return embree_ray.tfar < 0.0f;
     }
 
+    double triangle_error() const override { return padding_; }
+
 private:
     /// Embree's copy of the ray. False if the ray misses the scene's box altogether.
     bool prepare(const Ray& ray, Query& query, RTCRay& out) const

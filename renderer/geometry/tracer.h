@@ -21,8 +21,8 @@ struct TraceHit {
 };
 
 /// Immutable after construction, thread-safe. Keeps references to the shapes: they must outlive it.
-/// Every ray passes one gate: a ray that is not finite, whose direction is not of unit length within 1e-3, or whose interval is
-/// negative or empty is counted and answered as a miss. It never reaches Embree, whose assertions would end the process.
+/// Every ray passes one gate: a ray that is not finite or has a coordinate beyond 1e18, whose direction is not of unit length within 1e-3, whose
+/// interval is negative or empty, or whose time is outside [0, 1] is counted and answered as a miss. It never reaches Embree, whose assertions would end the process.
 class Tracer {
 public:
     virtual ~Tracer() = default;
@@ -35,6 +35,8 @@ protected:
     explicit Tracer(std::span<const Shape> shapes) : shapes_(shapes) {}
     virtual TraceHit find_nearest(const Ray& ray) const = 0;
     virtual bool find_any(const Ray& ray) const = 0;
+    /// How far, in metres, a point that this tracer finds on a triangle may lie from the mesh as given, its own rounding included. 0: not at all.
+    virtual double triangle_error() const { return 0.0; }
     std::span<const Shape> shapes_;
 
 private:

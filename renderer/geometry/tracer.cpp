@@ -1,0 +1,48 @@
+// The gate every ray passes, and the full story of a winner, whatever kind of shape it lies on.
+//
+// Embree as Debian builds it ends the process on a ray it does not like (not a number, components near 1e19, a negative interval): so no such
+// ray may reach it. A refused ray is counted and answers as a miss.
+
+#include "renderer/geometry/tracer.h"
+
+#include "renderer/geometry/triangle.h"
+
+namespace hoodoo {
+namespace {
+
+/// Embree's assertions accept components up to 1.8e18 (its FLT_LARGE); terrains end long before.
+constexpr double kLargest = 1e18;
+
+bool is_small(const Vec3d& v) { return std::abs(v.x) < kLargest && std::abs(v.y) < kLargest && std::abs(v.z) < kLargest; }
+
+}  // namespace
+
+bool Tracer::passes_gate(const Ray& ray) const
+{
+    // Each comparison is false for a NaN.
+    const bool straight = is_small(ray.origin) && is_small(ray.direction) && std::abs(ray.direction.length() - 1.0) <= 1e-3;
+    const bool interval = ray.t_min >= 0.0 && ray.t_min < ray.t_max && ray.t_min < kLargest;
+    const bool shutter = ray.time >= 0.0 && ray.time <= 1.0;
+    if (straight && interval && shutter) return true;
+    refused_.fetch_add(1, std::memory_order_relaxed);
+    return false;
+}
+
+TraceHit Tracer::intersect(const Ray& ray) const { return passes_gate(ray) ? find_nearest(ray) : TraceHit{}; }
+
+bool Tracer::occluded(const Ray& ray) const { return passes_gate(ray) && find_any(ray); }
+
+Interaction Tracer::interact(const Ray& ray, const TraceHit& hit) const
+{
+    const Shape& shape = shapes_[hit.object];
+    if (const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shape)) {
+        Hit local;
+        local.t = hit.t;
+        local.patch = hit.patch;
+        local.evaluations = hit.evaluations;
+        return (*surface)->interact(ray, local);
+    }
+    return interact_triangle(std::get<TriangleMesh>(shape), hit.patch.index, ray, {hit.t, hit.barycentric}, triangle_error());
+}
+
+}  // namespace hoodoo
