@@ -3,6 +3,7 @@
 
 #include "terrain/math/vec.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -130,6 +131,25 @@ public:
             below = MaterialStack::top_of(word);
         }
         if (open) visit(Run{run.bottom, below});
+    }
+
+    /// Length of matter of column (i, j) between the heights `low` and `high`, in units above the stack's origin. low <= high.
+    double length(int i, int j, double low, double high) const
+    {
+        const Vec2i n = stack_->size();
+        if (border_ == Border::cut && (i < 0 || j < 0 || i >= n.x || j >= n.y)) return 0.0;
+        i = i < 0 ? 0 : i >= n.x ? n.x - 1 : i;
+        j = j < 0 ? 0 : j >= n.y ? n.y - 1 : j;
+        const double below_zero = std::min(std::max(0.0, low), high);
+        double sum = contains(Material::bedrock) ? below_zero - std::min(std::max<double>(floor(), low), high) : 0.0;
+        double from = below_zero;
+        for (const std::uint16_t word : stack_->words(i, j)) {
+            if (from >= high) break;
+            const double to = std::min(std::max<double>(MaterialStack::top_of(word), low), high);
+            if (contains(MaterialStack::material_of(word))) sum += to - from;
+            from = to;
+        }
+        return sum;
     }
 
     bool contains(Material m) const { return (materials_ >> static_cast<unsigned>(m)) & 1u; }
