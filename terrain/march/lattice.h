@@ -30,7 +30,7 @@ struct Lattice {
     Vec3d direction(const Vec3d& d) const { return {d.x / cell, d.y / cell, d.z / unit}; }
     Vec3d world(const Vec3d& q) const { return {origin.x + (q.x + shift) * cell, origin.y + (q.y + shift) * cell, origin.z + q.z * unit - sigma}; }
     /// First column under the kernel of lattice vertex a, along either axis.
-    int first_column(int a) const { return a - kernel / 2 + (kernel % 2); }
+    int first_column(int a) const { return a - kernel / 2; }
 };
 
 /// True if 2 sigma is a multiple of the cell, up to rounding.
