@@ -206,7 +206,8 @@ Values check(const Schema& schema, const Node& table, std::vector<Problem>& prob
         bool in_degrees = false;
         const Parameter* p = find_parameter(schema, key, in_degrees);
         if (!p) {
-            problems.push_back({node.key_where, fmt::format("unknown key \"{}\" in {}", key, schema.name), {}, {}, nearest_name(key, keys_of(schema))});
+            problems.push_back({node.key_where, fmt::format("unknown key \"{}\" in {}", key, schema.name), {}, {},
+                                problems.size() < 100 ? nearest_name(key, keys_of(schema)) : std::string()});
             continue;
         }
         if (std::find(seen.begin(), seen.end(), p->name) != seen.end())
