@@ -1,0 +1,180 @@
+// Gradient noise: at each lattice point a random plane through zero, blended by the quintic fade; and sums of octaves of it.
+// Perlin2002. n(p) = sum_c w_c(p) g_c.(p - c), w_c = product over the axes of fade or 1 - fade, fade(t) = 6t^5 - 15t^4 + 10t^3.
+// 1-D and 2-D use the hash and gradients that the golden values fix (2-D: unit vector at the angle 2 pi hash / 2^32).
+// Bounds. Value: |n| <= sum w |p - c| <= sqrt(sum w |p - c|^2) (Jensen), and each axis adds x^2 + fade(x)(1 - 2x) <= 1/4: sqrt(D)/2. (1-D: slopes up to 1.)
+// Slope: u.grad n = sum_c g_c.(w_c u + (p - c) grad w_c.u) <= sum_c |w_c u + (p - c) grad w_c.u|, a closed form in (p, u) whose maximum
+// was found numerically and rounded up; it is attained by some choice of gradients, so no smaller bound holds for all seeds.
+// Deviation: 3-D gradients are the normalised points of a random cube, which favours its corners; no trigonometry, the same bits everywhere.
+// Missing: second derivatives.
+#include "terrain/math/noise.h"
+
+#include <algorithm>
+#include <numbers>
+
+namespace hoodoo {
+
+namespace {
+
+constexpr int kMaxOctaves = 24;
+
+double fade(double t) { return t * t * t * (t * (6.0 * t - 15.0) + 10.0); }
+double fade_slope(double t) { return 30.0 * t * t * (t - 1.0) * (t - 1.0); }
+
+/// A coordinate split into its lattice cell and the rest. From 2^51 on every double is a lattice point or close to one: the noise is 0 there.
+struct Cell {
+    std::uint32_t index = 0;
+    double rest = 0.0, fade = 0.0, slope = 0.0;
+};
+
+Cell cell_of(double x)
+{
+    if (!(std::abs(x) < 0x1p51)) return {};
+    const double low = std::floor(x);
+    const double rest = x - low;
+    return {static_cast<std::uint32_t>(static_cast<std::int64_t>(low)), rest, fade(rest), fade_slope(rest)};
+}
+
+double slope_at(std::uint32_t ix, std::uint32_t seed) { return lattice_hash(ix, 0, seed) * 0x1p-31 - 1.0; }
+
+Vec2d gradient_at(std::uint32_t ix, std::uint32_t iy, std::uint32_t seed)
+{
+    const double angle = 2.0 * std::numbers::pi * (lattice_hash(ix, iy, seed) * 0x1p-32);
+    return {std::cos(angle), std::sin(angle)};
+}
+
+Vec3d gradient_at(std::uint32_t ix, std::uint32_t iy, std::uint32_t iz, std::uint32_t seed)
+{
+    const std::uint32_t h = lattice_hash(ix, iy, lattice_hash(iz, 0x9E3779B9u, seed));
+    // Odd numbers: never the zero vector.
+    const auto side = [h](int shift) { return 2.0 * ((h >> shift) & 1023u) - 1023.0; };
+    const Vec3d v(side(0), side(10), side(20));
+    return v * (1.0 / std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z));
+}
+
+double mix(double a, double b, double t) { return a + t * (b - a); }
+
+/// What one octave adds, faded if it is the last and a fraction.
+template <class Octave>
+void for_octaves(const Fractal& fractal, Octave&& octave)
+{
+    double frequency = 1.0, amplitude = 1.0;
+    const double octaves = std::min(fractal.octaves, static_cast<double>(kMaxOctaves));
+    for (int k = 0; k < octaves; ++k) {
+        octave(k, frequency, amplitude * std::min(1.0, octaves - k));
+        frequency *= fractal.lacunarity;
+        amplitude *= fractal.gain;
+    }
+}
+
+/// Octaves are turned against each other by exact rotations (the 3-4-5 triangle; a turn of 60 degrees about the space diagonal's neighbour),
+/// and shifted, so that their lattices nowhere coincide.
+Vec2d turned(const Vec2d& p) { return {0.8 * p.x - 0.6 * p.y, 0.6 * p.x + 0.8 * p.y}; }
+Vec2d turned_back(const Vec2d& p) { return {0.8 * p.x + 0.6 * p.y, -0.6 * p.x + 0.8 * p.y}; }
+Vec3d turned(const Vec3d& p) { return Vec3d(2 * p.x - p.y + 2 * p.z, 2 * p.x + 2 * p.y - p.z, -p.x + 2 * p.y + 2 * p.z) * (1.0 / 3.0); }
+Vec3d turned_back(const Vec3d& p) { return Vec3d(2 * p.x + 2 * p.y - p.z, -p.x + 2 * p.y + 2 * p.z, 2 * p.x - p.y + 2 * p.z) * (1.0 / 3.0); }
+Vec2d shift(const Vec2d&, int k) { return {17.3 * k, 31.7 * k}; }
+Vec3d shift(const Vec3d&, int k) { return {17.3 * k, 31.7 * k, 23.9 * k}; }
+
+template <class Result, class Point, class Shape>
+Result sum(const Point& p, std::uint32_t seed, const Fractal& fractal, Shape&& shape)
+{
+    Result total;
+    Point q = p;
+    int turns = 0;
+    for_octaves(fractal, [&](int k, double frequency, double amplitude) {
+        for (; turns < k; ++turns) q = turned(q);
+        Result n = shape(gradient_noise(q * frequency + shift(p, k), seed + static_cast<std::uint32_t>(k)));
+        for (int back = 0; back < k; ++back) n.gradient = turned_back(n.gradient);
+        total.value += amplitude * n.value;
+        total.gradient += n.gradient * (amplitude * frequency);
+    });
+    return total;
+}
+
+/// (1 - |n|/N)^2 and its derivative.
+template <class Noise>
+Noise crest(const Noise& n, double bound)
+{
+    const double r = 1.0 - std::abs(n.value) / bound;
+    return {r * r, n.gradient * (-2.0 * r * std::copysign(1.0, n.value) / bound)};
+}
+
+}  // namespace
+
+Noise1 gradient_noise(double x, std::uint32_t seed)
+{
+    const Cell c = cell_of(x);
+    const double g0 = slope_at(c.index, seed), g1 = slope_at(c.index + 1, seed);
+    const double a = g0 * c.rest, b = g1 * (c.rest - 1.0);
+    return {mix(a, b, c.fade), mix(g0, g1, c.fade) + c.slope * (b - a)};
+}
+
+Noise2 gradient_noise(const Vec2d& p, std::uint32_t seed)
+{
+    const Cell x = cell_of(p.x), y = cell_of(p.y);
+    double v[2][2];
+    Vec2d g[2][2];
+    for (std::uint32_t j = 0; j < 2; ++j) {
+        for (std::uint32_t i = 0; i < 2; ++i) {
+            g[j][i] = gradient_at(x.index + i, y.index + j, seed);
+            v[j][i] = g[j][i].x * (x.rest - i) + g[j][i].y * (y.rest - j);
+        }
+    }
+    const double v0 = mix(v[0][0], v[0][1], x.fade), v1 = mix(v[1][0], v[1][1], x.fade);
+    const Vec2d g0 = g[0][0] + (g[0][1] - g[0][0]) * x.fade, g1 = g[1][0] + (g[1][1] - g[1][0]) * x.fade;
+    return {mix(v0, v1, y.fade), g0 + (g1 - g0) * y.fade + Vec2d(x.slope * mix(v[0][1] - v[0][0], v[1][1] - v[1][0], y.fade), y.slope * (v1 - v0))};
+}
+
+Noise3 gradient_noise(const Vec3d& p, std::uint32_t seed)
+{
+    const Cell x = cell_of(p.x), y = cell_of(p.y), z = cell_of(p.z);
+    Noise3 n;
+    for (std::uint32_t c = 0; c < 8; ++c) {
+        const std::uint32_t i = c & 1u, j = (c >> 1) & 1u, k = c >> 2;
+        const Vec3d g = gradient_at(x.index + i, y.index + j, z.index + k, seed);
+        const Vec3d d(x.rest - i, y.rest - j, z.rest - k);
+        const double wx = i ? x.fade : 1.0 - x.fade, wy = j ? y.fade : 1.0 - y.fade, wz = k ? z.fade : 1.0 - z.fade;
+        const double v = g.x * d.x + g.y * d.y + g.z * d.z;
+        n.value += wx * wy * wz * v;
+        n.gradient += g * (wx * wy * wz) + Vec3d((i ? x.slope : -x.slope) * wy * wz, wx * (j ? y.slope : -y.slope) * wz, wx * wy * (k ? z.slope : -z.slope)) * v;
+    }
+    return n;
+}
+
+Noise2 fbm(const Vec2d& p, std::uint32_t seed, const Fractal& fractal)
+{
+    return sum<Noise2>(p, seed, fractal, [](const Noise2& n) { return n; });
+}
+
+Noise3 fbm(const Vec3d& p, std::uint32_t seed, const Fractal& fractal)
+{
+    return sum<Noise3>(p, seed, fractal, [](const Noise3& n) { return n; });
+}
+
+Noise2 ridged(const Vec2d& p, std::uint32_t seed, const Fractal& fractal)
+{
+    return sum<Noise2>(p, seed, fractal, [](const Noise2& n) { return crest(n, kNoise2Bound.value); });
+}
+
+Noise3 ridged(const Vec3d& p, std::uint32_t seed, const Fractal& fractal)
+{
+    return sum<Noise3>(p, seed, fractal, [](const Noise3& n) { return crest(n, kNoise3Bound.value); });
+}
+
+NoiseBound fbm_bound(const NoiseBound& octave, const Fractal& fractal)
+{
+    NoiseBound bound{0.0, 0.0};
+    for_octaves(fractal, [&](int, double frequency, double amplitude) {
+        bound.value += octave.value * amplitude;
+        bound.slope += octave.slope * amplitude * frequency;
+    });
+    return bound;
+}
+
+NoiseBound ridged_bound(const NoiseBound& octave, const Fractal& fractal)
+{
+    // r in [0, 1], so the value is at most 1 and |d(r^2)| = 2 r |dn| / N <= 2 G / N.
+    return fbm_bound({1.0, 2.0 * octave.slope / octave.value}, fractal);
+}
+
+}  // namespace hoodoo
