@@ -22,6 +22,7 @@ struct Node {
     std::variant<bool, std::int64_t, double, std::string, Array, Table> value = Table{};
     Source where;      ///< of the value
     Source key_where;  ///< of its key (the value's own position inside arrays)
+    bool broken = false;   ///< already has its Problem (an expression that failed): no second one for its type
 
     const Node* find(const std::string& key) const;  ///< nullptr if absent or if this is no table
 };

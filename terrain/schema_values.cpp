@@ -143,7 +143,7 @@ std::optional<double> parse_quantity(const std::string& text, ParameterType type
 
 void ValueReader::wrong(const Node& node, const std::string& what, std::string nearest) const
 {
-    problems_.push_back({node.where, what, expected_text(p_), quoted_value(node), std::move(nearest)});
+    if (!node.broken) problems_.push_back({node.where, what, expected_text(p_), quoted_value(node), std::move(nearest)});
 }
 
 bool ValueReader::in_range(double value, const Node& node) const

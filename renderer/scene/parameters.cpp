@@ -158,24 +158,33 @@ void SceneParameters::substitute(Node& node, int depth)
     else if (const auto* text = std::get_if<std::string>(&node.value)) substitute_text(node, std::string(*text), depth);
 }
 
-void SceneParameters::substitute_text(Node& node, const std::string& text, int depth)
+void SceneParameters::compute(Node& node, const std::string& expression)
 {
-    // "= expression": the caret stands where the expression is wrong (the opening quote is one letter, the "=" another).
-    if (!text.empty() && text[0] == '=') {
-        const auto result = expressions_.evaluate(text.substr(1));
-        if (result.problem.empty()) node = number_node(result.value, node);
-        else {
-            Source where = node.where;
-            if (where.file != "-D" && where.file != "--set") ++where.column;
-            where.column += static_cast<int>(result.position) + 1;
-            problems_.push_back({where, result.problem, {}, result.token.empty() ? std::string() : "\"" + result.token + "\"", nearest_name(result.token, names())});
-        }
+    const auto result = expressions_.evaluate(expression);
+    if (result.problem.empty()) {
+        node = number_node(result.value, node);
         return;
     }
+    node.broken = true;
+    const auto named = values_.find(result.token);
+    if (named != values_.end() && named->second.broken) return;   // that parameter has its own Problem
+
+    // The caret stands where the expression is wrong: behind the "=" and, in a file, the opening quote.
+    Source where = node.where;
+    where.column += static_cast<int>(result.position) + (where.file == "-D" || where.file == "--set" ? 1 : 2);
+    const bool no_number = named != values_.end();
+    problems_.push_back({where, no_number ? "a parameter in an expression is no number" : result.problem, {},
+                         result.token.empty() ? std::string() : "\"" + result.token + "\"", no_number ? std::string() : nearest_name(result.token, names())});
+}
+
+void SceneParameters::substitute_text(Node& node, const std::string& text, int depth)
+{
+    if (!text.empty() && text[0] == '=') return compute(node, text.substr(1));
 
     // "${name}": the parameter itself, whatever its type. It keeps its own position: a path in it is relative to the file that wrote it.
     const auto open = text.find("${");
     if (open == std::string::npos) return;
+    node.broken = true;   // until it is replaced
     if (open != 0 || text.find('}') != text.size() - 1) {
         problems_.push_back({node.where, "a parameter stands alone in its text", "\"${name}\"", "\"" + text + "\"", {}});
         return;

@@ -23,6 +23,7 @@ public:
 private:
     void define(const std::string& name, Node node);
     void substitute(Node& node, int depth);
+    void compute(Node& node, const std::string& expression);
     void substitute_text(Node& node, const std::string& text, int depth);
     std::vector<std::string> names() const;
 
