@@ -122,7 +122,7 @@ TEST(Ground, length_is_that_of_the_runs_clipped)
             const int i = static_cast<int>(mix64(4 * k) % 13) - 2, j = static_cast<int>(mix64(4 * k + 1) % 13) - 2;
             const double low = unit_real(mix64(4 * k + 2)) * 60 - 12, high = low + unit_real(mix64(4 * k + 3)) * 20;
             double expected = 0;
-            ground.for_each_run(i, j, [&](Run run) { expected += std::max(0.0, std::min<double>(run.top, high) - std::max<double>(run.bottom, low)); });
+            ground.for_each_run(i, j, [&](const auto& run) { expected += std::max(0.0, std::min<double>(run.top, high) - std::max<double>(run.bottom, low)); });
             ASSERT_NEAR(ground.length(i, j, low, high), expected, 1e-12);
         }
     }
