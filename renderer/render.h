@@ -1,11 +1,14 @@
 // The whole program on one page: read, build, trace, develop, write.
 #pragma once
 
+#include "renderer/film/color.h"
 #include "renderer/film/image.h"
 #include "renderer/scene/scene.h"
 
+#include <array>
 #include <atomic>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -28,19 +31,30 @@ struct RenderOptions {
     std::function<void(double fraction, const std::string& what)> progress;   ///< from any thread, one at a time
 };
 
-/// Scene file -> scene. `text_or_path`: a path, or the text itself if `is_text`. Colours go through `colorconfig` (path; empty: scene > $OCIO > ours).
+/// A scene that is ready, and what its colours mean.
 struct LoadedScene {
     Description description;
+    std::shared_ptr<const ColorConfig> color;   ///< chosen by: command line > scene > $OCIO > ours
     std::unique_ptr<Scene> scene;
     double build_seconds = 0.0;
 };
-LoadedScene load_scene(const std::string& text_or_path, bool is_text, const SceneOverrides& overrides, int threads = 0,
+
+/// Scene file -> scene. `text_or_path`: a path, or the text itself if `is_text`. `colorconfig`: a path; empty: the scene's, else $OCIO's, else ours.
+/// Throws Error (scene, file, memory): everything that can be wrong with a scene, its display and view too, is found here, before the first ray.
+LoadedScene load_scene(const std::string& text_or_path, bool is_text, const SceneOverrides& overrides = {}, int threads = 0,
                        const std::string& colorconfig = {}, std::function<void(double, const std::string&)> progress = {});
 
-/// Scene -> picture with its metadata. Returns an empty image if cancelled.
+/// Scene -> picture with its metadata. Returns an empty image if cancelled. Throws Error (scene) on options that the picture cannot have.
 Image render(const LoadedScene& loaded, const RenderOptions& options);
 
-/// Picture -> file, by its ending: .exr (linear, all channels) or .png (through the display transform of the colour configuration). Atomic and verified.
-void write_picture(const Image& image, const std::string& path, const LoadedScene& loaded, const std::string& colorconfig = {});
+/// Picture -> file, by its ending: .exr (linear, all channels) or .png (through the scene's display, view and exposure). Atomic and verified.
+/// Throws Error (scene) on another ending, Error (file).
+void write_picture(const Image& image, const std::string& path, const LoadedScene& loaded);
+
+/// Throws what write_picture would throw for the name alone, so that a wrong ending is found before an hour of light.
+void check_picture_name(const std::string& path);
+
+/// What the library was built with: "Embree 3.13.5, OpenImageIO 2.4.7, ...".
+std::string library_versions();
 
 }  // namespace hoodoo

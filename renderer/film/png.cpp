@@ -1,0 +1,97 @@
+// PNG files: eight bits a channel, as the colour configuration wants a screen to show the light.
+//
+// OpenImageIO encodes into memory, where no full disk can make it lie; the bytes take the same verified way to the disk as every file of ours.
+// Its colour space must be said: left alone, the encoder marks the file as linear (gAMA 1.0) and viewers show it far too bright.
+#include "renderer/film/atomic_file.h"
+#include "renderer/film/write.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+namespace hoodoo {
+
+namespace {
+
+std::uint8_t quantise(float value) { return static_cast<std::uint8_t>(std::floor(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f)); }
+
+/// R, G, B of the data window as a screen shows them, row by row.
+std::vector<std::uint8_t> developed(const Image& image, const std::string& path, const ColorTransform& to_display, double exposure_stops)
+{
+    const Channel *red = image.find("R"), *green = image.find("G"), *blue = image.find("B");
+    if (!red || !green || !blue) throw Error(ErrorKind::internal, "a PNG needs the channels R, G and B");
+    const float scale = static_cast<float>(std::exp2(exposure_stops));
+    const std::size_t width = static_cast<std::size_t>(image.data.width());
+    std::vector<std::uint8_t> bytes;
+    bytes.reserve(3 * red->pixels.size());
+    std::vector<Vec3f> row(width);
+    for (std::size_t first = 0; first < red->pixels.size(); first += width) {
+        for (std::size_t x = 0; x < width; ++x) row[x] = Vec3f(red->pixels[first + x], green->pixels[first + x], blue->pixels[first + x]) * scale;
+        to_display(row);
+        for (std::size_t x = 0; x < width; ++x)
+            for (int c = 0; c < 3; ++c) {
+                if (!std::isfinite(row[x][c]))
+                    throw Error(ErrorKind::file, fmt::format("the file \"{}\" cannot be written: the pixel ({}, {}) is not a finite number", path,
+                                                             image.data.x0 + x, image.data.y0 + first / width));
+                bytes.push_back(quantise(row[x][c]));
+            }
+    }
+    return bytes;
+}
+
+std::vector<unsigned char> encode(const std::vector<std::uint8_t>& pixels, const PixelBounds& data, bool is_srgb)
+{
+    OIIO::ImageSpec spec(data.width(), data.height(), 3, OIIO::TypeDesc::UINT8);
+    if (is_srgb) spec.attribute("oiio:ColorSpace", "sRGB");
+    spec.attribute("Software", "Hoodoo " HOODOO_VERSION);
+    std::vector<unsigned char> encoded;
+    OIIO::Filesystem::IOVecOutput memory(encoded);
+    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
+    if (!output || !output->set_ioproxy(&memory) || !output->open("picture.png", spec) || !output->write_image(OIIO::TypeDesc::UINT8, pixels.data()) ||
+        !output->close())
+        throw std::runtime_error(output ? output->geterror() : OIIO::geterror());
+    return encoded;
+}
+
+std::vector<unsigned char> bytes_of(const std::string& path)
+{
+    std::ifstream file(path, std::ios::binary);
+    if (!file) throw std::runtime_error("it cannot be opened");
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Throws if the file's bytes do not decode to the pixels.
+void verify(const std::vector<std::uint8_t>& pixels, const PixelBounds& data, const std::string& path)
+{
+    std::vector<unsigned char> bytes = bytes_of(path);
+    OIIO::Filesystem::IOMemReader memory(bytes.data(), bytes.size());
+    const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open("picture.png", nullptr, &memory);
+    if (!input) throw std::runtime_error(OIIO::geterror());
+    const OIIO::ImageSpec& spec = input->spec();
+    if (spec.width != data.width() || spec.height != data.height() || spec.nchannels != 3) throw std::runtime_error("its size differs");
+    std::vector<std::uint8_t> found(pixels.size());
+    if (!input->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, found.data())) throw std::runtime_error(input->geterror());
+    if (found != pixels) throw std::runtime_error("the pixels differ");
+}
+
+}  // namespace
+
+void write_png(const Image& image, const std::string& path, const ColorTransform& to_display, double exposure_stops, bool is_srgb)
+{
+    const std::vector<std::uint8_t> pixels = developed(image, path, to_display, exposure_stops);
+    write_atomically(
+        path,
+        [&](ByteSink& sink) {
+            const std::vector<unsigned char> encoded = encode(pixels, image.data, is_srgb);
+            sink.write(encoded.data(), encoded.size());
+        },
+        [&](const std::string& temporary) { verify(pixels, image.data, temporary); });
+}
+
+}  // namespace hoodoo

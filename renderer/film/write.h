@@ -1,0 +1,25 @@
+// Pictures to files and back: EXR for all that is known, PNG for the eye.
+#pragma once
+
+#include "renderer/film/color.h"
+#include "renderer/film/image.h"
+
+#include <string>
+
+namespace hoodoo {
+
+/// Writes all channels and the metadata into a single-part OpenEXR file, zip compressed; the data window inside the display window, row 0 on top.
+/// objectId and instanceId are 32-bit integers; R, G, B, A, N.*, Ng.*, albedo.*, material.* are half floats, everything else floats. R, G, B become floats
+/// where a half would overflow (a visible sun). Metadata: 2, 3, 16 numbers become a vector or a matrix, the 8 of `chromaticities` that attribute, and
+/// `DateTime` (YYYY:MM:DD HH:MM:SS) the standard capDate. Equal images make equal bytes. Atomic and verified; throws Error (file).
+void write_exr(const Image& image, const std::string& path);
+
+/// Reads a single-part EXR: every channel as floats, in the order of the file (sorted by name), and the metadata of the kinds that write_exr knows.
+/// Throws Error (file).
+Image read_exr(const std::string& path);
+
+/// Writes the data window's R, G, B as eight-bit PNG: times 2^exposure, through `to_display`, clamped to [0, 1] and rounded to the nearest. `is_srgb` marks the
+/// file as sRGB. Alpha is left out, so that the sky stays visible. Atomic and verified; throws Error (file), also where a pixel is not finite.
+void write_png(const Image& image, const std::string& path, const ColorTransform& to_display, double exposure_stops, bool is_srgb);
+
+}  // namespace hoodoo
