@@ -61,6 +61,8 @@ struct SurfaceInfo {
     double build_seconds = 0.0;
 };
 
+class Field;
+
 /// All functions are const, pure and thread-safe after construction.
 class Surface {
 public:
@@ -97,6 +99,9 @@ public:
     virtual bool closed() const = 0;
 
     virtual SurfaceInfo info() const = 0;
+
+    /// The implicit function whose zero set this is, alive as long as the surface; nullptr where there is none. How hosts reach its values.
+    virtual const Field* field() const { return nullptr; }
 };
 
 }  // namespace hoodoo
