@@ -27,6 +27,15 @@ double smooth_step(double lo, double hi, double x)
 
 Vec3f mix(const Vec3f& a, const Vec3f& b, double t) { return a + (b - a) * static_cast<float>(t); }
 
+/// Noise of its own seed, shifted, since all octaves vanish at the points of their lattices.
+Noise3 octave(std::uint64_t seed, const Vec3d& p)
+{
+    const std::uint64_t h = mix64(seed);
+    constexpr double to_unit = 1.0 / 65536.0;
+    const Vec3d shift(static_cast<double>(h & 0xffff) * to_unit, static_cast<double>((h >> 16) & 0xffff) * to_unit, static_cast<double>((h >> 32) & 0xffff) * to_unit);
+    return gradient_noise(p + shift, static_cast<std::uint32_t>(h >> 32));
+}
+
 /// A sum of octaves with its gradient, and the variance of the slopes that were left out.
 struct Sum {
     double value = 0.0;
@@ -42,7 +51,7 @@ struct Sum {
         const double steepness = slope / wavelength;
         lost += (1.0 - kept * kept) * steepness * steepness * slope_power;
         if (kept == 0.0) return;
-        const NoiseSample3 n = gradient_noise(seed, p / wavelength);
+        const Noise3 n = octave(seed, p / wavelength);
         value += a * kept * n.value;
         gradient += n.gradient * (kept * steepness);
     }
@@ -157,8 +166,8 @@ Ripples ripples(std::uint64_t seed, const Vec3d& p, double wavelength, double st
     // The phase is a distance across the crests, bent by noise: it stays a gradient field, so crests join and fork.
     const Vec3d flat(p.x, p.y, 0.0);
     Vec3d across(std::cos(angle), std::sin(angle), 0.0);
-    const NoiseSample3 bend = gradient_noise(seed ^ 1, flat / (11.0 * wavelength));
-    const NoiseSample3 fork = gradient_noise(seed ^ 2, flat / (3.1 * wavelength));
+    const Noise3 bend = octave(seed ^ 65, flat / (11.0 * wavelength));
+    const Noise3 fork = octave(seed ^ 66, flat / (3.1 * wavelength));
     const double phase = (across.dot(flat) / wavelength + 4.0 * bend.value + 0.7 * fork.value) * 6.283185307179586;
     across += bend.gradient * (4.0 / 11.0) + fork.gradient * (0.7 / 3.1);
     across.z = 0.0;
