@@ -4,7 +4,7 @@
 // The double-precision part, translate + origin, becomes the mesh's origin; what is left is small and stays single precision.
 // Missing: a non-uniform scale, several materials in one file, instances.
 
-#include "terrain/catalogue.h"
+#include "terrain/surfaces/rows.h"
 #include "terrain/io/mesh_file.h"
 
 #include <numbers>
@@ -55,6 +55,6 @@ Shape make_mesh(const Values& values, const BuildContext& context)
 
 }  // namespace
 
-CatalogueEntry mesh_entry() { return {"mesh", "", mesh_schema(), make_mesh}; }
+CatalogueEntry mesh_row() { return {"mesh", "", mesh_schema(), make_mesh}; }
 
 }  // namespace hoodoo

@@ -1,0 +1,28 @@
+// Every terrain representation, one row each: open this file first.
+//
+// A row is named here and made in terrain/surfaces/NAME.cpp, which says what it does, from which paper, and with which parameters. No row registers
+// itself: a linker would drop it.
+#include "terrain/catalogue.h"
+
+#include "terrain/surfaces/rows.h"
+
+#include <algorithm>
+
+namespace hoodoo {
+
+std::span<const CatalogueEntry> catalogue()
+{
+    static const std::vector<CatalogueEntry> rows = {
+        mesh_row(),
+    };
+    return rows;
+}
+
+const CatalogueEntry* find_in_catalogue(const std::string& name)
+{
+    const auto rows = catalogue();
+    const auto row = std::find_if(rows.begin(), rows.end(), [&](const CatalogueEntry& entry) { return entry.name == name; });
+    return row == rows.end() ? nullptr : &*row;
+}
+
+}  // namespace hoodoo
