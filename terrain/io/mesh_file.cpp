@@ -63,7 +63,7 @@ Vec3f turned(const aiVector3D& v, bool y_up) { return y_up ? Vec3f(v.x, -v.z, v.
 
 void append(const aiMesh& part, const MeshFileOptions& options, TriangleMesh& mesh)
 {
-    if (part.mPrimitiveTypes != aiPrimitiveType_TRIANGLE) return;
+    if (!(part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE)) return;   // the triangulator adds a flag
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (unsigned v = 0; v < part.mNumVertices; ++v) {
         mesh.vertices.push_back(turned(part.mVertices[v], options.y_up));
