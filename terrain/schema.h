@@ -56,9 +56,9 @@ using Default = std::variant<std::monostate, bool, std::int64_t, double, std::st
 
 /// One parameter. `required` and a default exclude each other; an optional one without default reads as absent (Values::has is false).
 struct Parameter {
-    std::string name;
+    std::string name = {};
     ParameterType type = ParameterType::number;
-    std::string doc;
+    std::string doc = {};
     Default fallback = {};
     bool required = false;
     std::string unit = {};                            ///< for the documentation: "m", "cell", "1/m"

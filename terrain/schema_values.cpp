@@ -100,7 +100,7 @@ std::string expected_text(const Parameter& p)
     case ParameterType::boolean: return "true or false";
     case ParameterType::integer: return "an integer" + range_text(p);
     case ParameterType::number: return "a number" + range_text(p);
-    case ParameterType::length: return "a length such as 350 (metres) or \"350 m\"," + (range_text(p).empty() ? " finite" : range_text(p));
+    case ParameterType::length: return "a length such as 350 (metres) or \"350 m\"" + range_text(p);
     case ParameterType::angle: return fmt::format("an angle such as \"12 deg\" (or the key {}_deg with a number){}", p.name, range_text(p));
     case ParameterType::duration: return "a time such as 0.04 (seconds) or \"40 ms\"" + range_text(p);
     case ParameterType::text: return "a text";
