@@ -1,0 +1,31 @@
+// `./run bench [NAME] [--small]`: benchmarks by name, all without one. Each writes out/bench/NAME.json.
+
+#include "tests/bench/report.h"
+#include "tests/bench/trace.h"
+
+#include <cstdio>
+#include <cstring>
+
+int main(int argc, char** argv)
+{
+    using namespace hoodoo::bench;
+    const std::map<std::string, nlohmann::json (*)(bool)> benchmarks{{"trace", trace_benchmark}};
+    std::string name;
+    bool full = true;
+    for (int i = 1; i < argc; ++i) {
+        if (std::strcmp(argv[i], "--small") == 0) {
+            full = false;
+        } else {
+            name = argv[i];
+        }
+    }
+    if (!name.empty() && !benchmarks.count(name)) {
+        std::fprintf(stderr, "no benchmark is called %s; there are:", name.c_str());
+        for (const auto& [known, run] : benchmarks) std::fprintf(stderr, " %s", known.c_str());
+        std::fprintf(stderr, "\n");
+        return 2;
+    }
+    for (const auto& [known, run] : benchmarks)
+        if (name.empty() || name == known) write_report(known, run(full));
+    return 0;
+}
