@@ -38,8 +38,17 @@ struct Query {
     std::uint32_t object = 0;
 };
 
-float round_up(double x) { return std::nextafterf(static_cast<float>(x), std::numeric_limits<float>::infinity()); }
-float round_down(double x) { return std::nextafterf(static_cast<float>(x), -std::numeric_limits<float>::infinity()); }
+// Outwards by one unit in the last place at least, without a call; the smallest normal number stands in for zero's neighbours.
+float round_up(double x)
+{
+    const auto f = static_cast<float>(x);
+    return f + std::abs(f) * 0x1p-23f + std::numeric_limits<float>::min();
+}
+float round_down(double x)
+{
+    const auto f = static_cast<float>(x);
+    return f - std::abs(f) * 0x1p-23f - std::numeric_limits<float>::min();
+}
 
 void part_bounds(const RTCBoundsFunctionArguments* args)
 {

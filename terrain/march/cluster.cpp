@@ -1,6 +1,6 @@
 // Grouping and packing of exact cells: the second half of building them.
 //
-// Chains are split recursively in two by a full sweep over three axes; the cost of a side is the area of its box times the number of
+// Chains are split recursively in two along the best of three axes; the cost of a side is the area of its box times the number of
 // records it will fill. A group that fits into one record becomes one. What is packed is unpacked by slab(), which serves the exact solver
 // and the boxes alike: a box can never disagree with what is traced.
 
@@ -8,7 +8,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <cstring>
+#include <new>
+
+#include <sys/mman.h>
 
 namespace hoodoo {
 namespace {
@@ -61,6 +64,13 @@ struct Extent {
         z0 = std::min(z0, c.levels.front().z), z1 = std::max(z1, c.levels.back().z);
         levels += c.levels.size();
     }
+    void add(const Extent& e)
+    {
+        for (int k = 0; k < 3; ++k) lo[k] = std::min(lo[k], e.lo[k]), hi[k] = std::max(hi[k], e.hi[k]);
+        a0 = std::min(a0, e.a0), a1 = std::max(a1, e.a1), b0 = std::min(b0, e.b0), b1 = std::max(b1, e.b1);
+        z0 = std::min(z0, e.z0), z1 = std::max(z1, e.z1);
+        levels += e.levels;
+    }
     bool fits() const { return levels <= kLevels && a1 - a0 < kCells && b1 - b0 < kCells && z1 - z0 <= kCompactHeight; }
     double cost(const Vec3d& scale) const
     {
@@ -71,7 +81,7 @@ struct Extent {
 
 class Grouper {
 public:
-    Grouper(const Lattice& lattice, CellTile& tile) : lattice_(lattice), tile_(tile), scale_(lattice.cell, lattice.cell, lattice.unit) {}
+    Grouper(const Lattice& lattice, int a0, int b0, ClusterList& out) : lattice_(lattice), a0_(a0), b0_(b0), out_(out), scale_(lattice.cell, lattice.cell, lattice.unit) {}
 
     void group(std::vector<Piece>& pieces, std::size_t first, std::size_t last)
     {
@@ -87,8 +97,13 @@ public:
     }
 
 private:
+    /// Many pieces are split between bins of equal width, few by a full sweep. Returns the first piece of the upper half.
     std::size_t split(std::vector<Piece>& pieces, std::size_t first, std::size_t last)
     {
+        if (last - first > 24) {
+            const std::size_t middle = split_by_bins(pieces, first, last);
+            if (middle != first && middle != last) return middle;
+        }
         double best = kInfinity;
         int best_axis = 0;
         std::size_t best_at = (first + last) / 2;
@@ -108,6 +123,36 @@ private:
         return best_at;
     }
 
+    std::size_t split_by_bins(std::vector<Piece>& pieces, std::size_t first, std::size_t last)
+    {
+        constexpr int bins = 16;
+        Vec3d lo(kInfinity), hi(-kInfinity);
+        for (std::size_t i = first; i < last; ++i)
+            for (int k = 0; k < 3; ++k) lo[k] = std::min(lo[k], middle(pieces[i], k)), hi[k] = std::max(hi[k], middle(pieces[i], k));
+        double best = kInfinity;
+        int best_axis = -1, best_bin = 0;
+        const auto bin_of = [&](const Piece& p, int k) { return std::min(bins - 1, static_cast<int>((middle(p, k) - lo[k]) / (hi[k] - lo[k]) * bins)); };
+        for (int axis = 0; axis < 3; ++axis) {
+            if (!(hi[axis] > lo[axis])) continue;
+            std::array<Extent, bins> bin;
+            for (std::size_t i = first; i < last; ++i) bin[static_cast<std::size_t>(bin_of(pieces[i], axis))].add(pieces[i]);
+            std::array<double, bins> below;
+            Extent left, right;
+            for (std::size_t k = 0; k < bins; ++k) left.add(bin[k]), below[k] = left.levels ? left.cost(scale_) : 0.0;
+            for (std::size_t k = bins - 1; k > 0; --k) {
+                right.add(bin[k]);
+                const double cost = below[k - 1] + (right.levels ? right.cost(scale_) : 0.0);
+                if (cost < best) best = cost, best_axis = axis, best_bin = static_cast<int>(k);
+            }
+        }
+        if (best_axis < 0) return first;
+        const auto at = std::partition(pieces.begin() + static_cast<std::ptrdiff_t>(first), pieces.begin() + static_cast<std::ptrdiff_t>(last),
+                                       [&](const Piece& p) { return bin_of(p, best_axis) < best_bin; });
+        return static_cast<std::size_t>(at - pieces.begin());
+    }
+
+    static double middle(const Piece& p, int axis) { return p.lo[axis] + p.hi[axis]; }
+
     static void sort(std::vector<Piece>& pieces, std::size_t first, std::size_t last, int axis)
     {
         const auto at = [&](std::size_t i) { return pieces.begin() + static_cast<std::ptrdiff_t>(i); };
@@ -125,13 +170,14 @@ private:
     GradientCone cone(const std::vector<Piece>& pieces, std::size_t first, std::size_t last) const;
 
     const Lattice& lattice_;
-    CellTile& tile_;
+    int a0_, b0_;
+    ClusterList& out_;
     Vec3d scale_;
     std::vector<double> costs_;
     std::vector<GradientCone> wide_cones_;
 
 public:
-    void finish() { tile_.cones.insert(tile_.cones.end(), wide_cones_.begin(), wide_cones_.end()); }
+    void finish() { out_.cones.insert(out_.cones.end(), wide_cones_.begin(), wide_cones_.end()); }
 };
 
 GradientCone Grouper::cone(const std::vector<Piece>& pieces, std::size_t first, std::size_t last) const
@@ -189,14 +235,14 @@ void Grouper::pack(const std::vector<Piece>& pieces, std::size_t first, std::siz
             }
         }
     }
-    const auto x0 = static_cast<std::uint8_t>(extent.a0 - tile_.a0), y0 = static_cast<std::uint8_t>(extent.b0 - tile_.b0);
+    const auto x0 = static_cast<std::uint8_t>(extent.a0 - a0_), y0 = static_cast<std::uint8_t>(extent.b0 - b0_);
     if (compact) {
         narrow.slabs = slabs, narrow.offsets = offsets, narrow.x0 = x0, narrow.y0 = y0, narrow.z_base = static_cast<std::int16_t>(extent.z0);
-        tile_.compact.push_back(narrow);
-        tile_.cones.push_back(cone(pieces, first, last));
+        out_.compact.push_back(narrow);
+        out_.cones.push_back(cone(pieces, first, last));
     } else {
         wide.slabs = slabs, wide.offsets = offsets, wide.x0 = x0, wide.y0 = y0;
-        tile_.wide.push_back(wide);
+        out_.wide.push_back(wide);
         wide_cones_.push_back(cone(pieces, first, last));
     }
 }
@@ -227,20 +273,46 @@ Slab CellTile::slab(std::uint32_t i, int lane, double delta) const
     return s;
 }
 
-CellTile make_tile(const Lattice& lattice, int a0, int b0, const std::vector<Chain>& chains)
+ClusterList make_clusters(const Lattice& lattice, int a0, int b0, const std::vector<Chain>& chains)
 {
-    CellTile tile;
-    tile.a0 = a0, tile.b0 = b0;
+    ClusterList list;
     std::vector<Piece> pieces;
     pieces.reserve(chains.size());
     for (const Chain& chain : chains) pieces.push_back(make_piece(lattice, chain));
-    if (!pieces.empty()) {
-        Grouper grouper(lattice, tile);
-        grouper.group(pieces, 0, pieces.size());
-        grouper.finish();
+    if (pieces.empty()) return list;
+    Grouper grouper(lattice, a0, b0, list);
+    grouper.group(pieces, 0, pieces.size());
+    grouper.finish();
+    return list;
+}
+
+ClusterMemory::ClusterMemory(std::span<const ClusterList> lists, std::span<CellTile> tiles)
+{
+    std::size_t compact = 0, wide = 0, cones = 0;
+    for (const ClusterList& l : lists) compact += l.compact.size(), wide += l.wide.size(), cones += l.cones.size();
+    bytes_ = compact * sizeof(CompactCluster) + wide * sizeof(WideCluster) + cones * sizeof(GradientCone);
+    if (bytes_ == 0) return;
+    constexpr std::size_t page = std::size_t{1} << 21;
+    const std::size_t alignment = bytes_ >= page ? page : 64;
+    const std::size_t size = (bytes_ + alignment - 1) / alignment * alignment;
+    block_.reset(static_cast<std::byte*>(std::aligned_alloc(alignment, size)));
+    if (!block_) throw std::bad_alloc();
+    if (alignment == page) madvise(block_.get(), size, MADV_HUGEPAGE);   // a wish: refused, nothing but speed is lost
+
+    // Compact records, wide records, cones: each kind in one run, tiles in order.
+    std::byte* at[3] = {block_.get(), block_.get() + compact * sizeof(CompactCluster), block_.get() + compact * sizeof(CompactCluster) + wide * sizeof(WideCluster)};
+    const auto place = [](auto& list, std::byte*& to) {
+        using T = typename std::remove_cvref_t<decltype(list)>::value_type;
+        if (!list.empty()) std::memcpy(to, list.data(), list.size() * sizeof(T));
+        const std::span<const T> span(reinterpret_cast<const T*>(to), list.size());
+        to += list.size() * sizeof(T);
+        return span;
+    };
+    for (std::size_t i = 0; i < lists.size(); ++i) {
+        tiles[i].compact = place(lists[i].compact, at[0]);
+        tiles[i].wide = place(lists[i].wide, at[1]);
+        tiles[i].cones = place(lists[i].cones, at[2]);
     }
-    tile.cones.shrink_to_fit(), tile.compact.shrink_to_fit(), tile.wide.shrink_to_fit();
-    return tile;
 }
 
 void cluster_box(const CellTile& tile, std::uint32_t index, const Lattice& lattice, Vec3d& lo, Vec3d& hi)

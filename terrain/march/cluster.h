@@ -3,7 +3,11 @@
 
 #include "terrain/march/profiles.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <span>
 #include <vector>
 
 namespace hoodoo {
@@ -55,19 +59,43 @@ struct Slab {
 };
 
 /// All records of one tile of lattice cells whose first cell is (a0, b0). Patch i is compact[i], then wide[i - compact.size()].
+/// The records live elsewhere: in ClusterMemory.
 struct CellTile {
     int a0 = 0, b0 = 0;
-    std::vector<GradientCone> cones;
-    std::vector<CompactCluster> compact;
-    std::vector<WideCluster> wide;
+    std::span<const GradientCone> cones;
+    std::span<const CompactCluster> compact;
+    std::span<const WideCluster> wide;
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(compact.size() + wide.size()); }
     std::uint16_t slabs(std::uint32_t i) const { return i < compact.size() ? compact[i].slabs : wide[i - compact.size()].slabs; }
     Slab slab(std::uint32_t i, int lane, double delta) const;
 };
 
+/// The records of one tile, as they are made.
+struct ClusterList {
+    std::vector<GradientCone> cones;
+    std::vector<CompactCluster> compact;
+    std::vector<WideCluster> wide;
+};
+
+/// One block of memory for the records of many tiles, on huge pages where the system has them: rays jump through it at random.
+class ClusterMemory {
+public:
+    ClusterMemory() = default;
+    /// Copies the lists in and lets tiles[i] refer to lists[i]'s copy.
+    ClusterMemory(std::span<const ClusterList> lists, std::span<CellTile> tiles);
+    std::uint64_t bytes() const { return bytes_; }
+
+private:
+    struct Free {
+        void operator()(std::byte* p) const { std::free(p); }
+    };
+    std::unique_ptr<std::byte, Free> block_;
+    std::uint64_t bytes_ = 0;
+};
+
 /// Groups the chains of a tile into clusters by the surface-area heuristic (each cluster costs the same) and packs them.
-CellTile make_tile(const Lattice& lattice, int a0, int b0, const std::vector<Chain>& chains);
+ClusterList make_clusters(const Lattice& lattice, int a0, int b0, const std::vector<Chain>& chains);
 
 /// The tight box of one patch, lattice coordinates.
 void cluster_box(const CellTile& tile, std::uint32_t index, const Lattice& lattice, Vec3d& lo, Vec3d& hi);

@@ -40,7 +40,9 @@ public:
         const int tiles_y = (last_.y - first_.y + tile_cells - 1) / tile_cells;
         tiles_.resize(static_cast<std::size_t>(tiles_x_) * static_cast<std::size_t>(tiles_y));
         const double height = std::max(1.0, std::min(255.0, std::floor(4.0 * lattice_.cell / lattice_.unit)));
-        tbb::parallel_for(std::size_t{0}, tiles_.size(), [&](std::size_t i) { tiles_[i] = build_tile(static_cast<int>(i), {16, height}); });
+        std::vector<ClusterList> lists(tiles_.size());
+        tbb::parallel_for(std::size_t{0}, tiles_.size(), [&](std::size_t i) { lists[i] = build_tile(static_cast<int>(i), {16, height}); });
+        memory_ = ClusterMemory(lists, tiles_);
         inverse_cell_ = 1.0 / lattice_.cell, inverse_unit_ = 1.0 / lattice_.unit;
         // Of F: above what single precision loses inside a cluster.
         tolerance_ = static_cast<float>(2e-5 * lattice_.value_scale + 1e-4 * lattice_.factor * lattice_.kernel * lattice_.kernel);
@@ -76,37 +78,28 @@ public:
 
     double value_error() const override { return lattice_.delta / lattice_.value_scale + (lattice_.whole ? 1e-9 : 2e-7); }
 
-    std::uint64_t memory_bytes() const override
-    {
-        std::uint64_t bytes = tiles_.size() * sizeof(CellTile);
-        for (const CellTile& t : tiles_) bytes += t.compact.size() * sizeof(CompactCluster) + t.wide.size() * sizeof(WideCluster) + t.cones.size() * sizeof(GradientCone);
-        return bytes;
-    }
+    std::uint64_t memory_bytes() const override { return memory_.bytes() + tiles_.size() * sizeof(CellTile); }
 
 private:
     static constexpr int tile_cells = MaterialStack::tile_size;
 
-    CellTile build_tile(int index, const ChainLimits& limits) const
+    ClusterList build_tile(int index, const ChainLimits& limits)
     {
         const int a0 = first_.x + index % tiles_x_ * tile_cells, b0 = first_.y + index / tiles_x_ * tile_cells;
+        tiles_[static_cast<std::size_t>(index)].a0 = a0, tiles_[static_cast<std::size_t>(index)].b0 = b0;
         const int a1 = std::min(a0 + tile_cells, last_.x), b1 = std::min(b0 + tile_cells, last_.y);
-        const auto row = [&](int b) {
-            std::vector<Profile> profiles;
-            profiles.reserve(static_cast<std::size_t>(a1 - a0 + 1));
-            for (int a = a0; a <= a1; ++a) profiles.push_back(vertex_profile(field_.ground(), lattice_, a, b));
-            return profiles;
-        };
+        ProfileRows rows(field_.ground(), lattice_, a0, a1);
         std::vector<Chain> chains;
-        std::vector<Profile> near = row(b0);
+        std::vector<Profile> near = rows.row(b0);
         for (int b = b0; b < b1; ++b) {
-            std::vector<Profile> far = row(b + 1);
+            std::vector<Profile> far = rows.row(b + 1);
             for (int a = a0; a < a1; ++a) {
                 const auto i = static_cast<std::size_t>(a - a0);
                 cell_chains(lattice_, a, b, {&near[i], &near[i + 1], &far[i], &far[i + 1]}, limits, chains);
             }
             near = std::move(far);
         }
-        return make_tile(lattice_, a0, b0, chains);
+        return make_clusters(lattice_, a0, b0, chains);
     }
 
     /// Nearest crossing before `t`, or just any if `any`.
@@ -116,6 +109,10 @@ private:
         const std::uint32_t i = patch.index;
         const bool compact = i < tile.compact.size();
         const bool entering = ray.crossing == Crossing::entering;
+        if (compact) {
+            __builtin_prefetch(&tile.compact[i]);
+            __builtin_prefetch(reinterpret_cast<const std::byte*>(&tile.compact[i]) + 64);
+        }
         if (entering) {
             const float d[3] = {static_cast<float>(ray.direction.x), static_cast<float>(ray.direction.y), static_cast<float>(ray.direction.z)};
             if (tile.cones[i].rejects(d)) return false;
@@ -177,6 +174,7 @@ private:
     Vec2i first_, last_;            ///< lattice cells, half-open
     int tiles_x_ = 0;
     std::vector<CellTile> tiles_;
+    ClusterMemory memory_;
     double inverse_cell_ = 1.0, inverse_unit_ = 1.0;
     float tolerance_ = 0.0f;
 };

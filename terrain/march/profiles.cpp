@@ -11,11 +11,6 @@
 namespace hoodoo {
 namespace {
 
-struct Bend {
-    double z;
-    double slope;
-};
-
 void tight_axis(const std::array<double, 4>& from, const std::array<double, 4>& to, double& lo, double& hi)
 {
     const auto negative = [](const std::array<double, 4>& v) { return static_cast<int>(std::count_if(v.begin(), v.end(), [](double x) { return x < 0.0; })); };
@@ -33,21 +28,25 @@ void tight_axis(const std::array<double, 4>& from, const std::array<double, 4>& 
     }
 }
 
-/// Reads a profile upwards.
+/// Reads a profile upwards, from the last knot at or below `start`.
 class Cursor {
 public:
-    explicit Cursor(const Profile& profile) : profile_(profile) {}
-    double next() const { return at_ < profile_.size() ? profile_[at_].z : kInfinity; }
+    Cursor(const Profile& profile, double start) : knots_(profile.knots)
+    {
+        const auto above = std::upper_bound(knots_.begin(), knots_.end(), start, [](double z, const Knot& k) { return z < k.z; });
+        at_ = static_cast<std::size_t>(above - knots_.begin());
+    }
+    double next() const { return at_ < knots_.size() ? knots_[at_].z : kInfinity; }
     double value(double z)
     {
-        while (at_ < profile_.size() && profile_[at_].z <= z) ++at_;
-        if (at_ == 0) return profile_.front().value;
-        const Knot& k = profile_[at_ - 1];
+        while (at_ < knots_.size() && knots_[at_].z <= z) ++at_;
+        if (at_ == 0) return knots_.front().value;
+        const Knot& k = knots_[at_ - 1];
         return k.value + k.slope * (z - k.z);
     }
 
 private:
-    const Profile& profile_;
+    const std::vector<Knot>& knots_;
     std::size_t at_ = 0;
 };
 
@@ -117,67 +116,103 @@ private:
 
 }  // namespace
 
-Profile vertex_profile(const Ground& ground, const Lattice& lattice, int a, int b)
+ProfileRows::Bends ProfileRows::column(int i, int j) const
 {
-    // Gather the bends of all columns under the kernel; bottomless runs overlap the whole kernel far below.
-    thread_local std::vector<Bend> bends;
-    bends.clear();
-    double overlap = 0.0;
-    const int i0 = lattice.first_column(a), j0 = lattice.first_column(b);
-    for (int j = j0; j < j0 + lattice.kernel; ++j) {
-        for (int i = i0; i < i0 + lattice.kernel; ++i) {
-            ground.for_each_run(i, j, [&](Run run) {
-                if (run.bottom == Ground::bottomless) {
-                    overlap += lattice.height;
-                } else {
-                    bends.push_back({static_cast<double>(run.bottom), 1.0});
-                    bends.push_back({run.bottom + lattice.height, -1.0});
-                }
-                bends.push_back({static_cast<double>(run.top), -1.0});
-                bends.push_back({run.top + lattice.height, 1.0});
-            });
+    Bends bends;
+    ground_.for_each_run(i, j, [&](Run run) {
+        if (run.bottom == Ground::bottomless) {
+            bends.overlap += lattice_.height;
+        } else {
+            bends.list.push_back({static_cast<double>(run.bottom), 1.0});
+            bends.list.push_back({run.bottom + lattice_.height, -1.0});
         }
-    }
-    std::sort(bends.begin(), bends.end(), [](const Bend& p, const Bend& q) { return p.z < q.z; });
+        bends.list.push_back({static_cast<double>(run.top), -1.0});
+        bends.list.push_back({run.top + lattice_.height, 1.0});
+    });
+    std::sort(bends.list.begin(), bends.list.end(), [](const Bend& p, const Bend& q) { return p.z < q.z; });
+    return bends;
+}
 
-    // Integrate upwards. F = factor (K^2 height / 2 - overlap): negative where more than half of the kernel is matter.
-    const double middle = static_cast<double>(lattice.kernel) * lattice.kernel * lattice.height / 2.0;
+void ProfileRows::merge(const Bends& more, Bends& into, std::vector<Bend>& scratch)
+{
+    scratch.resize(into.list.size() + more.list.size());
+    std::merge(into.list.begin(), into.list.end(), more.list.begin(), more.list.end(), scratch.begin(), [](const Bend& p, const Bend& q) { return p.z < q.z; });
+    into.list.swap(scratch);
+    into.overlap += more.overlap;
+}
+
+Profile ProfileRows::integrate(const Bends& bends) const
+{
+    // F = factor (K^2 height / 2 - overlap): negative where more than half of the kernel is matter.
+    const double middle = static_cast<double>(lattice_.kernel) * lattice_.kernel * lattice_.height / 2.0;
+    double overlap = bends.overlap;
     Profile profile;
-    profile.reserve(bends.size() + 1);
-    double slope = 0.0, z = bends.empty() ? 0.0 : bends.front().z;
-    if (bends.empty()) profile.push_back({0.0, lattice.factor * (middle - overlap), 0.0});
-    for (std::size_t k = 0; k < bends.size();) {
-        overlap += slope * (bends[k].z - z);
-        z = bends[k].z;
-        for (; k < bends.size() && bends[k].z == z; ++k) slope += bends[k].slope;
-        profile.push_back({z, lattice.factor * (middle - overlap), -lattice.factor * slope});
+    profile.knots.reserve(bends.list.size() + 1);
+    double slope = 0.0, z = bends.list.empty() ? 0.0 : bends.list.front().z;
+    if (bends.list.empty()) profile.knots.push_back({0.0, lattice_.factor * (middle - overlap), 0.0});
+    for (std::size_t k = 0; k < bends.list.size();) {
+        overlap += slope * (bends.list[k].z - z);
+        z = bends.list[k].z;
+        for (; k < bends.list.size() && bends.list[k].z == z; ++k) slope += bends.list[k].slope;
+        const double value = lattice_.factor * (middle - overlap);
+        if (!profile.knots.empty() && (profile.knots.back().value < lattice_.delta) != (value < lattice_.delta)) {
+            profile.first = std::min(profile.first, profile.knots.back().z);
+            profile.last = z;
+        }
+        profile.knots.push_back({z, value, -lattice_.factor * slope});
     }
     return profile;
 }
 
+std::vector<Profile> ProfileRows::row(int b)
+{
+    // Keep the rows of columns under the kernel of this row of vertices.
+    const int j0 = lattice_.first_column(b), i0 = lattice_.first_column(a0_), count = a1_ - a0_ + lattice_.kernel;
+    if (columns_.empty() || j0 < first_row_ || j0 > first_row_ + static_cast<int>(columns_.size())) columns_.clear(), first_row_ = j0;
+    while (first_row_ < j0 && !columns_.empty()) columns_.erase(columns_.begin()), ++first_row_;
+    while (static_cast<int>(columns_.size()) < lattice_.kernel) {
+        std::vector<Bends>& next = columns_.emplace_back();
+        const int j = first_row_ + static_cast<int>(columns_.size()) - 1;
+        for (int k = 0; k < count; ++k) next.push_back(column(i0 + k, j));
+    }
+
+    // Merge first along y, then along x: neighbouring vertices share the former.
+    std::vector<Bend> scratch;
+    std::vector<Bends> strips(static_cast<std::size_t>(count));
+    for (std::size_t k = 0; k < strips.size(); ++k)
+        for (const std::vector<Bends>& line : columns_) merge(line[k], strips[k], scratch);
+    std::vector<Profile> profiles;
+    profiles.reserve(static_cast<std::size_t>(a1_ - a0_ + 1));
+    Bends all;
+    for (int a = a0_; a <= a1_; ++a) {
+        all.list.clear();
+        all.overlap = 0.0;
+        for (int k = 0; k < lattice_.kernel; ++k) merge(strips[static_cast<std::size_t>(a - a0_ + k)], all, scratch);
+        profiles.push_back(integrate(all));
+    }
+    return profiles;
+}
+
 void cell_chains(const Lattice& lattice, int a, int b, const std::array<const Profile*, 4>& corners, const ChainLimits& limits, std::vector<Chain>& out)
 {
-    std::array<Cursor, 4> cursor{Cursor(*corners[0]), Cursor(*corners[1]), Cursor(*corners[2]), Cursor(*corners[3])};
+    // Far below all corners have one sign, and far above: between, it is enough to look where one of them changes it.
+    double first = kInfinity, last = -kInfinity;
+    for (const Profile* p : corners) first = std::min(first, p->first), last = std::max(last, p->last);
+    if (!(first < last)) return;
+    std::array<Cursor, 4> cursor{Cursor(*corners[0], first), Cursor(*corners[1], first), Cursor(*corners[2], first), Cursor(*corners[3], first)};
     ChainMaker maker(lattice, a, b, limits, out);
-    Level lower{};
-    bool first = true;
-    while (true) {
+    Level lower{first, {}};
+    int below = 0;
+    for (int i = 0; i < 4; ++i) lower.value[i] = cursor[i].value(first), below += lower.value[i] < lattice.delta;
+    while (lower.z < last) {
         double z = kInfinity;
         for (const Cursor& c : cursor) z = std::min(z, c.next());
-        if (z == kInfinity) break;
         Level level{z, {}};
         int inside = 0;
-        for (int i = 0; i < 4; ++i) {
-            level.value[i] = cursor[i].value(z);
-            inside += level.value[i] < lattice.delta;
-        }
-        if (!first) {
-            int below = 0;
-            for (const double v : lower.value) below += v < lattice.delta;
-            if (inside + below != 0 && inside + below != 8) maker.add_slab(lower, level);
-        }
+        for (int i = 0; i < 4; ++i) level.value[i] = cursor[i].value(z), inside += level.value[i] < lattice.delta;
+        if (inside + below != 0 && inside + below != 8) maker.add_slab(lower, level);
         lower = level;
-        first = false;
+        below = inside;
     }
 }
 

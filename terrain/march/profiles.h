@@ -14,7 +14,11 @@ struct Knot {
 };
 
 /// F along the vertical line through a lattice vertex: piecewise linear, constant before the first knot and after the last.
-using Profile = std::vector<Knot>;
+/// Its sign changes only between the knots at `first` and `last` (heights; first > last if it never changes).
+struct Profile {
+    std::vector<Knot> knots;
+    double first = kInfinity, last = -kInfinity;
+};
 
 /// F at the four corners (x fast) of a lattice cell at one height.
 struct Level {
@@ -34,8 +38,31 @@ struct ChainLimits {
     double height = 255.0;
 };
 
-/// The profile of lattice vertex (a, b).
-Profile vertex_profile(const Ground& ground, const Lattice& lattice, int a, int b);
+/// The profiles of lattice vertices (a0, b) to (a1, b), row after row of a tile: what rows share is kept between calls.
+class ProfileRows {
+public:
+    ProfileRows(const Ground& ground, const Lattice& lattice, int a0, int a1) : ground_(ground), lattice_(lattice), a0_(a0), a1_(a1) {}
+    std::vector<Profile> row(int b);
+
+private:
+    struct Bend {
+        double z, slope;
+    };
+    /// Bends of one column, or of several, by height; `overlap` is what bottomless runs cover far below.
+    struct Bends {
+        std::vector<Bend> list;
+        double overlap = 0.0;
+    };
+    Bends column(int i, int j) const;
+    static void merge(const Bends& more, Bends& into, std::vector<Bend>& scratch);
+    Profile integrate(const Bends& bends) const;
+
+    const Ground& ground_;
+    const Lattice& lattice_;
+    int a0_, a1_;
+    std::vector<std::vector<Bends>> columns_;   ///< rows of columns, the oldest first
+    int first_row_ = 0;
+};
 
 /// Appends the chains of cell (a, b), given the profiles of its corners (a,b), (a+1,b), (a,b+1), (a+1,b+1).
 void cell_chains(const Lattice& lattice, int a, int b, const std::array<const Profile*, 4>& corners, const ChainLimits& limits, std::vector<Chain>& out);
