@@ -1,0 +1,245 @@
+// Certified sphere tracing (Hart1996, Galin2020) of a convolution field (Peytavie2009) inside proved bricks.
+//
+// A ray meets one brick at a time. In a brick the derivative of f along the ray lies in [m, M], a sum of the brick's gradient bounds: from the
+// air side (f >= 0) the surface is at least f / -m away, from the matter side at least -f / M, and if that divisor is not positive there is none
+// ahead. Steps therefore need no safety floor. Where they become short the ray walks the exact cubic pieces of f up to the
+// next line of the lattice instead, so a root is found as a root of a cubic, a graze is decided by the cubic's coefficients, and every step either
+// passes a line or is longer than a fraction of a cell: the march ends.
+//
+// Who owns a crossing: the side at both ends of a ray's piece in a brick is decided by one function with the same bits in every brick, at a distance that
+// neighbours compute from the same plane. So a crossing on a shared face is found by one of the two, whatever rounding does.
+// Deviation from Hart1996: bounds are local, directional and two-sided. What is missing: skipping within a brick by levels of detail.
+
+#include "terrain/march/sphere_bricks.h"
+
+#include "terrain/march/bricks.h"
+#include "terrain/march/column_tile.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hoodoo {
+namespace {
+
+/// Edge of a brick in cells: smaller ones have tighter slopes, larger ones are fewer.
+constexpr int kBrickEdge = 4;
+
+/// Steps shorter than this many cells are not worth their evaluation: a walk over exact pieces costs about as much as three and ends the search.
+constexpr double kShortStep = 0.3;
+
+/// Margin around the grid of a cut block, in cells: half of the kernel must be matter, so the surface never leaves the block's columns.
+constexpr double kCutMargin = 0.5;
+
+struct Tile {
+    TileLines lines;
+    std::vector<Brick> bricks;
+    std::unique_ptr<ColumnTile> columns;
+};
+
+class SphereBricks final : public PatchIntersector {
+public:
+    explicit SphereBricks(const ConvolutionField& field) : field_(field), frame_(field)
+    {
+        const Vec2i n = field.ground().stack().size();
+        tiles_x_ = (n.x + tile_cells - 1) / tile_cells;
+        tiles_y_ = (n.y + tile_cells - 1) / tile_cells;
+        tiles_.resize(static_cast<std::size_t>(tiles_x_) * static_cast<std::size_t>(tiles_y_));
+        tbb::parallel_for(std::size_t{0}, tiles_.size(), [&](std::size_t i) { build_tile(static_cast<int>(i)); });
+    }
+
+    std::uint32_t tile_count() const override { return static_cast<std::uint32_t>(tiles_.size()); }
+    std::uint32_t patch_count(std::uint32_t tile) const override { return static_cast<std::uint32_t>(tiles_[tile].bricks.size()); }
+
+    Box3d patch_bounds(PatchId patch) const override
+    {
+        const Tile& tile = tiles_[patch.tile];
+        const Brick& b = tile.bricks[patch.index];
+        const Vec3d lo = frame_.world({tile.lines.x[b.x0], tile.lines.y[b.y0], b.z0});
+        const Vec3d hi = frame_.world({tile.lines.x[b.x1], tile.lines.y[b.y1], b.z1});
+        const Vec3d slack(coordinate_error());
+        return {lo - slack, hi + slack};
+    }
+
+    bool intersect(PatchId patch, const Ray& ray, Hit& hit) const override
+    {
+        double t = 0.0;
+        if (!march(patch, ray, hit.t, t, hit.evaluations)) return false;
+        hit.t = t;
+        hit.patch = patch;
+        return true;
+    }
+
+    bool occluded(PatchId patch, const Ray& ray) const override
+    {
+        double t = 0.0;
+        std::uint32_t evaluations = 0;
+        return march(patch, ray, ray.t_max, t, evaluations);
+    }
+
+    double value_error() const override
+    {
+        return KernelFrame::delta + 4.0 * KernelFrame::rounding + std::sqrt(3.0) / field_.sigma() * coordinate_error();
+    }
+
+    std::uint64_t memory_bytes() const override
+    {
+        std::uint64_t bytes = tiles_.size() * sizeof(Tile);
+        for (const Tile& t : tiles_) {
+            bytes += t.bricks.capacity() * sizeof(Brick) + (t.lines.x.capacity() + t.lines.y.capacity()) * sizeof(double) + sizeof(ColumnTile);
+            bytes += t.columns->memory_bytes();
+        }
+        return bytes;
+    }
+
+private:
+    static constexpr int tile_cells = MaterialStack::tile_size;
+
+    /// Of a point that is computed in world space and brought into the frame, metres: a few units in the last place of the farthest corner.
+    double coordinate_error() const
+    {
+        const MaterialStack& stack = field_.ground().stack();
+        const Vec3d size(stack.size().x * stack.cell(), stack.size().y * stack.cell(), MaterialStack::max_top * stack.unit());
+        return 0x1p-48 * (stack.origin().length() + size.length());
+    }
+
+    void build_tile(int index)
+    {
+        const Vec2i n = field_.ground().stack().size();
+        const int tx = index % tiles_x_, ty = index / tiles_x_;
+        const double margin = field_.ground().border() == Border::cut ? kCutMargin : 0.0;
+        const auto lower = [&](int k) { return k == 0 ? -margin : static_cast<double>(k * tile_cells); };
+        const auto upper = [&](int k, int count, int size) { return k + 1 == count ? size + margin : static_cast<double>((k + 1) * tile_cells); };
+        const Vec2d lo(lower(tx), lower(ty)), hi(upper(tx, tiles_x_, n.x), upper(ty, tiles_y_, n.y));
+        Tile& tile = tiles_[static_cast<std::size_t>(index)];
+        tile.lines = tile_lines(frame_, lo, hi);
+        tile.bricks = make_bricks(field_.ground(), frame_, tile.lines, kBrickEdge);
+        // One column more on each side: a position may be rounded across the tile's border.
+        tile.columns = std::make_unique<ColumnTile>(field_.ground(), Vec2i(frame_.first_column(lo.x) - 1, frame_.first_column(lo.y) - 1),
+                                                    Vec2i(frame_.last_column(hi.x) + 2, frame_.last_column(hi.y) + 2));
+    }
+
+    /// The part of the ray in a box, in front of which (t0, t1) is cut. False if there is none.
+    static bool clip(const FrameRay& ray, const Vec3d& lo, const Vec3d& hi, double& t0, double& t1)
+    {
+        for (int k = 0; k < 3; ++k) {
+            if (ray.direction[k] == 0.0) {
+                if (ray.origin[k] < lo[k] || ray.origin[k] > hi[k]) return false;
+                continue;
+            }
+            const double a = (lo[k] - ray.origin[k]) / ray.direction[k], b = (hi[k] - ray.origin[k]) / ray.direction[k];
+            t0 = std::max(t0, std::min(a, b));
+            t1 = std::min(t1, std::max(a, b));
+        }
+        return t0 <= t1 && t0 < farthest;
+    }
+
+    /// Where the ray next meets a line of the lattice, at most `limit`. Greater than t.
+    double next_line(const FrameRay& ray, double t, double limit) const
+    {
+        double next = limit;
+        const Vec3d p = ray.at(t);
+        for (int k = 0; k < 2; ++k) {
+            const double d = ray.direction[k];
+            if (d == 0.0) continue;
+            const bool forward = d > 0.0;
+            double line = frame_.next_line(p[k], forward);
+            double at = (line - ray.origin[k]) / d;
+            // The line just met may come out again by rounding: take the one behind it.
+            if (!(at > t)) {
+                line = frame_.next_line(line + (forward ? sliver : -sliver), forward);
+                at = (line - ray.origin[k]) / d;
+            }
+            if (at > t) next = std::min(next, at);
+        }
+        return next;
+    }
+
+    bool march(PatchId patch, const Ray& world_ray, double t_limit, double& t_hit, std::uint32_t& evaluations) const
+    {
+        const Tile& tile = tiles_[patch.tile];
+        const Brick& b = tile.bricks[patch.index];
+        const FrameRay ray{frame_.point(world_ray.origin), frame_.direction(world_ray.direction)};
+
+        // Bounds of -df/dt and df/dt in the brick.
+        double fall = 0.0, rise = 0.0;
+        for (int k = 0; k < 3; ++k) {
+            const auto i = static_cast<std::size_t>(k);
+            const double p = ray.direction[k] * b.slope_lo[i], q = ray.direction[k] * b.slope_hi[i];
+            fall -= std::min(p, q), rise += std::max(p, q);
+        }
+        const bool entering = world_ray.crossing == Crossing::entering;
+        if (entering && fall <= 0.0) return false;
+
+        double t = world_ray.t_min, end = t_limit;
+        if (!clip(ray, {tile.lines.x[b.x0], tile.lines.y[b.y0], b.z0}, {tile.lines.x[b.x1], tile.lines.y[b.y1], b.z1}, t, end)) return false;
+        const ColumnTile& columns = *tile.columns;
+        // What rounding of the positions, far from the origin, can make of f.
+        double slack = KernelFrame::rounding;
+        for (int k = 0; k < 3; ++k) {
+            const auto i = static_cast<std::size_t>(k);
+            slack += 0x1p-50 * (std::abs(ray.origin[k]) + end * std::abs(ray.direction[k])) * std::max(std::abs(b.slope_lo[i]), std::abs(b.slope_hi[i]));
+        }
+        ++evaluations;
+        double f = columns.value(frame_, ray.at(t));
+        bool inside = f < 0.0, on_surface = false;
+        for (;;) {
+            // One certified step.
+            const double rate = inside ? rise : fall;
+            if (rate <= 0.0) return false;
+            const double step = std::max(0.0, std::abs(f) - slack) / rate;
+            if (t + step >= end) return false;
+            if (step >= kShortStep * frame_.cell) {
+                t += step;
+                ++evaluations;
+                f = columns.value(frame_, ray.at(t));
+                continue;
+            }
+
+            // The exact pieces up to the next line.
+            const double stop = next_line(ray, t, end);
+            double found = 0.0;
+            if (columns.first_change(frame_, ray, t, stop, {inside, on_surface}, found, f, evaluations)) {
+                if (accept(inside, entering, found, world_ray, t_limit, t_hit)) return true;
+                // Go on behind the crossing, on its other side.
+                t = found;
+                f = 0.0;
+                inside = !inside;
+                on_surface = true;
+                if (t >= end) return false;
+                continue;
+            }
+            t = stop;
+            on_surface = false;
+            if (t < end) continue;
+
+            // The brick's own end: let the common function decide the side.
+            if (std::abs(f) > 2.0 * slack) return false;
+            ++evaluations;
+            if ((columns.value(frame_, ray.at(end)) < 0.0) == inside) return false;
+            return accept(inside, entering, end, world_ray, t_limit, t_hit);
+        }
+    }
+
+    static bool accept(bool inside, bool entering, double t, const Ray& ray, double t_limit, double& t_hit)
+    {
+        if ((inside && entering) || !(t > ray.t_min) || !(t < t_limit)) return false;
+        t_hit = t;
+        return true;
+    }
+
+    static constexpr double farthest = 1e30;  ///< metres; beyond it a product of distance and direction is no position
+    static constexpr double sliver = 1e-11;   ///< cells; lines that are no multiples of half a cell lie farther apart
+
+    const ConvolutionField& field_;
+    KernelFrame frame_;
+    int tiles_x_ = 0, tiles_y_ = 0;
+    std::vector<Tile> tiles_;
+};
+
+}  // namespace
+
+std::unique_ptr<PatchIntersector> make_sphere_bricks(const ConvolutionField& field) { return std::make_unique<SphereBricks>(field); }
+
+}  // namespace hoodoo
