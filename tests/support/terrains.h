@@ -1,0 +1,24 @@
+// Terrains to test and to measure on: procedural stacks with everything a height map cannot hold. The same for tests and benchmarks.
+#pragma once
+
+#include "terrain/stack/material_stack.h"
+
+#include <memory>
+
+namespace hoodoo::testing {
+
+struct TerrainRecipe {
+    Vec2i size{1024, 768};
+    double cell = 1.0;
+    Vec3d origin{0.0};
+    std::uint64_t seed = 1;
+    double relief = 226.0;      ///< cells, at most 250: heights are whole 32nds of a cell
+    bool rugged = true;         ///< false: gentle slopes, fewer overhangs and tunnels
+    int tunnels = -1;           ///< swept spheres; -1: one to 8700 columns (90 on 1024 x 768)
+};
+
+/// fBm, ridges, terraces and canyons for the ground; overhangs where 3-D noise carves or adds matter near it; tunnels of swept spheres. Bedrock with
+/// sand on flat ground. Heights are whole multiples of cell / 32.
+std::shared_ptr<MaterialStack> make_terrain(const TerrainRecipe& recipe);
+
+}  // namespace hoodoo::testing
