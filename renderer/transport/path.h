@@ -1,0 +1,23 @@
+// The heart: one camera ray becomes one sample of a picture.
+#pragma once
+
+#include "renderer/film/film.h"
+#include "renderer/scene/scene.h"
+#include "renderer/transport/sampler.h"
+
+#include <span>
+
+namespace hoodoo {
+
+struct PathSettings {
+    int max_depth = 8;            ///< scattering events of a path; 0 = unlimited
+    int roulette_depth = 4;       ///< scattering events before Russian roulette may end a path
+    std::uint64_t seed = 0;
+    std::uint32_t frame = 0;
+};
+
+/// Follows a path from the camera and returns what it saw. `sampler` stands at the sample; set 0 belongs to the camera, the path takes the others.
+/// `shares` has one place for each of scene.material_names(), is overwritten and referred to by the result. Pure, thread-safe, throws nothing.
+PixelSample trace_path(const Scene& scene, const PathSettings& settings, const Ray& camera_ray, const Sampler& sampler, std::span<float> shares);
+
+}  // namespace hoodoo
