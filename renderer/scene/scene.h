@@ -8,6 +8,7 @@
 #include "renderer/shading/look.h"
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,11 +31,21 @@ struct SceneOptions {
     bool brute_force = false;                ///< the oracle instead of Embree
 };
 
+/// A scene made by code instead of a file. Materials without a look get the default one of their name.
+struct SceneParts {
+    Camera camera;
+    std::vector<Light> lights;
+    std::vector<SceneObject> objects;        ///< name and type; the rest is filled in
+    std::vector<Shape> shapes;               ///< one an object
+    std::map<std::string, std::unique_ptr<Look>> looks;
+};
+
 /// Thread-safe.
 class Scene {
 public:
     /// Throws Error (scene, file, memory) before the first ray.
     Scene(const Description& description, const SceneOptions& options);
+    Scene(SceneParts parts, const SceneOptions& options);
 
     const Camera& camera() const { return camera_; }
     const std::vector<Light>& lights() const { return lights_; }
@@ -46,10 +57,14 @@ public:
     /// Albedo, roughness and normal at an interaction: the materials blended by their visible shares.
     Appearance appearance(std::uint32_t object, const Interaction& at, double footprint) const;
 
-    /// Union of the objects' bounds, metres; infinite sides cut to nothing.
+    /// Union of the objects' bounds, metres; a side that is infinite does not count. Empty without objects.
     const Box3d& bounds() const { return bounds_; }
 
 private:
+    void name_materials(std::map<std::string, std::unique_ptr<Look>> looks, const SceneOptions& options);
+    void describe_objects();
+    void check_camera() const;
+
     Camera camera_;
     std::vector<Light> lights_;
     std::vector<Shape> shapes_;

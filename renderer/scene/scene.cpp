@@ -1,0 +1,146 @@
+// Description -> Scene: makes each terrain by its catalogue row, gives each material a look, each light its table, and everything to the tracer.
+//
+// Materials are named by the terrains; the scene numbers the names in the order in which they first appear. A material that no table describes looks as
+// its name suggests. Where several are visible at a point their albedo, roughness and normals are averaged by their shares.
+
+#include "renderer/scene/scene.h"
+
+#include "terrain/catalogue.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hoodoo {
+namespace {
+
+std::vector<std::string> catalogue_names()
+{
+    std::vector<std::string> names;
+    for (const CatalogueEntry& entry : catalogue()) names.push_back(entry.name);
+    return names;
+}
+
+Shape make_shape(const DescribedNode& node, const Description& description, const SceneOptions& options)
+{
+    const CatalogueEntry* entry = find_in_catalogue(node.type);
+    if (!entry) throw Error(ErrorKind::scene, Problem{node.where, "unknown terrain type", {}, "\"" + node.type + "\"", nearest_name(node.type, catalogue_names())});
+    BuildContext context;
+    context.name = node.name;
+    context.seed = node.seed;
+    context.threads = options.threads;
+    if (description.resolve) context.resolve = description.resolve;
+    if (options.progress) context.progress = [&](double fraction, const std::string& what) { options.progress(fraction, node.name + ": " + what); };
+    return entry->make(node.values, context);
+}
+
+SceneParts make_parts(const Description& description, const SceneOptions& options)
+{
+    SceneParts parts{Camera(description.camera), {}, {}, {}, {}};
+    for (const DescribedNode& node : description.terrains) {
+        if (options.progress) options.progress(0.0, node.name);
+        parts.shapes.push_back(make_shape(node, description, options));
+        parts.objects.push_back({node.name, node.type, {}, {}});
+    }
+    for (const DescribedNode& node : description.materials)
+        parts.looks[node.name] = make_look(node.name, node.values, options.to_rendering, description.resolve);
+    for (const DescribedNode& node : description.lights)
+        for (Light& light : make_lights(node.type, node.values, options.to_rendering)) parts.lights.push_back(std::move(light));
+    return parts;
+}
+
+std::vector<std::string> materials_of(const Shape& shape)
+{
+    if (const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shape)) return (*surface)->materials();
+    return {std::get<TriangleMesh>(shape).material};
+}
+
+/// An infinite or empty side does not count.
+void extend(Box3d& box, const Box3d& by)
+{
+    for (int k = 0; k < 3; ++k) {
+        if (!(by.min[k] <= by.max[k]) || !std::isfinite(by.min[k]) || !std::isfinite(by.max[k])) continue;
+        box.min[k] = std::min(box.min[k], by.min[k]);
+        box.max[k] = std::max(box.max[k], by.max[k]);
+    }
+}
+
+}  // namespace
+
+Scene::Scene(const Description& description, const SceneOptions& options) : Scene(make_parts(description, options), options) {}
+
+Scene::Scene(SceneParts parts, const SceneOptions& options)
+    : camera_(parts.camera), lights_(std::move(parts.lights)), shapes_(std::move(parts.shapes)), objects_(std::move(parts.objects))
+{
+    name_materials(std::move(parts.looks), options);
+    describe_objects();
+    check_camera();
+    if (options.progress) options.progress(0.0, "acceleration structure");
+    tracer_ = options.brute_force ? make_brute_force_tracer(shapes_) : make_embree_tracer(shapes_);
+}
+
+void Scene::name_materials(std::map<std::string, std::unique_ptr<Look>> looks, const SceneOptions& options)
+{
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+        for (const std::string& name : materials_of(shapes_[i])) {
+            const auto found = std::find(material_names_.begin(), material_names_.end(), name);
+            objects_[i].materials.push_back(static_cast<std::uint32_t>(found - material_names_.begin()));
+            if (found != material_names_.end()) continue;
+            material_names_.push_back(name);
+            auto look = looks.find(name);
+            looks_.push_back(look != looks.end() ? std::move(look->second) : default_look(name, options.to_rendering));
+        }
+    }
+}
+
+void Scene::describe_objects()
+{
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+        if (const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shapes_[i])) {
+            objects_[i].info = (*surface)->info();
+            for (std::uint32_t tile = 0; tile < (*surface)->tile_count(); ++tile)
+                for (std::uint32_t k = 0; k < (*surface)->patch_count(tile); ++k) extend(bounds_, (*surface)->patch_bounds({tile, k}));
+        } else {
+            const TriangleMesh& mesh = std::get<TriangleMesh>(shapes_[i]);
+            objects_[i].info.patches = mesh.triangles.size();
+            objects_[i].info.trace_bytes = mesh.vertices.size() * sizeof(Vec3f) + mesh.triangles.size() * sizeof(mesh.triangles[0]) +
+                                           mesh.normals.size() * sizeof(Vec3f) + mesh.uvs.size() * sizeof(Vec2f);
+            Box3d box;
+            for (const Vec3f& v : mesh.vertices) box.extendBy(mesh.origin + Vec3d(v));
+            extend(bounds_, box);
+        }
+    }
+}
+
+/// Camera rays look for entries into matter: from inside they would see through it.
+void Scene::check_camera() const
+{
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+        const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shapes_[i]);
+        if (surface && (*surface)->contains(camera_.eye()))
+            throw Error(ErrorKind::scene, Problem{camera_.where(), "the camera stands inside the terrain \"" + objects_[i].name + "\"", "an eye in air", {}, {}});
+    }
+}
+
+Appearance Scene::appearance(std::uint32_t object, const Interaction& at, double footprint) const
+{
+    const std::vector<std::uint32_t>& names = objects_[object].materials;
+    const auto look = [&](std::size_t i) -> const Look& { return *looks_[names[std::min<std::size_t>(at.materials.index[i], names.size() - 1)]]; };
+    if (at.materials.count == 1) return look(0).appearance(at, footprint);
+
+    Appearance sum{Vec3f(0.0f), 0.0f, Vec3d(0.0)};
+    float total = 0.0f;
+    for (std::size_t i = 0; i < at.materials.count; ++i) {
+        const float share = at.materials.weight[i];
+        if (!(share > 0.0f)) continue;
+        const Appearance one = look(i).appearance(at, footprint);
+        sum.albedo += one.albedo * share;
+        sum.roughness += one.roughness * share;
+        sum.normal += one.normal * static_cast<double>(share);
+        total += share;
+    }
+    const double length = sum.normal.length();
+    if (!(total > 0.0f) || !(length > 0.0)) return {Vec3f(0.0f), 0.0f, at.shading_normal};
+    return {sum.albedo / total, sum.roughness / total, sum.normal / length};
+}
+
+}  // namespace hoodoo
