@@ -77,6 +77,8 @@ public:
         }
     }
 
+    const std::vector<Tunnel>& tunnels() const { return tunnels_; }
+
 private:
     static double distance(const Tunnel& t, const Vec3d& p)
     {
@@ -145,7 +147,86 @@ std::vector<Layer> make_column(Recipe& recipe, double relief, double x, double y
     return layers;
 }
 
+/// Whether the column under p has no matter within `reach` of p's height.
+bool open_at(const MaterialStack& stack, const Vec3d& p, double reach)
+{
+    const int i = static_cast<int>(std::floor(p.x / stack.cell())), j = static_cast<int>(std::floor(p.y / stack.cell()));
+    if (i < 0 || j < 0 || i >= stack.size().x || j >= stack.size().y) return false;
+    double below = 0.0;
+    for (const Layer& layer : stack.column(i, j)) {
+        const double top = layer.top * stack.unit();
+        if (layer.material != Material::air && below < p.z + reach && top > p.z - reach) return false;
+        below = top;
+    }
+    return p.z > reach;
+}
+
+/// The level direction in which the view from `eye` is open farthest.
+Vec3d farthest_view(const MaterialStack& stack, const Vec3d& eye)
+{
+    Vec3d best(1, 0, 0);
+    double farthest = 0.0;
+    for (int k = 0; k < 32; ++k) {
+        const double phi = k * 0.19634954;
+        const Vec3d d(std::cos(phi), std::sin(phi), 0.0);
+        double t = 0.0;
+        while (open_at(stack, eye + d * (t + stack.cell()), stack.cell())) t += stack.cell();
+        if (t > farthest) farthest = t, best = d;
+    }
+    return best;
+}
+
+View canyon_view(const MaterialStack& stack, const Recipe& recipe, double relief)
+{
+    // The deepest place among a grid of places, against the mean of its surroundings.
+    const double nx = stack.size().x, ny = stack.size().y, around = 0.25 * relief;
+    Vec3d eye(0.5 * nx, 0.5 * ny, relief);
+    double deepest = -kInfinity;
+    for (double y = 0.15 * ny; y < 0.85 * ny; y += ny / 60.0) {
+        for (double x = 0.15 * nx; x < 0.85 * nx; x += nx / 60.0) {
+            const double h = recipe.height(x, y);
+            double mean = 0.0;
+            for (int k = 0; k < 8; ++k) mean += 0.125 * recipe.height(x + around * std::cos(0.7854 * k), y + around * std::sin(0.7854 * k));
+            Vec3d p(x, y, h);
+            for (int k = 0; k < 200 && !open_at(stack, p, 3.0); ++k) p.z += 1.0;
+            if (mean - p.z > deepest) deepest = mean - p.z, eye = p;
+        }
+    }
+    return {"canyon", eye, eye + farthest_view(stack, eye), 0.7};
+}
+
+View tunnel_view(const MaterialStack& stack, const Recipe& recipe)
+{
+    // In the widest tunnel that is open where its line says so and has a roof.
+    View view{"tunnel", Vec3d(0.5 * stack.size().x, 0.5 * stack.size().y, 1.0), Vec3d(0.0), 0.7};
+    double widest = 0.0;
+    for (const Tunnel& t : recipe.tunnels()) {
+        const Vec3d p = t.points[3];
+        if (t.radius <= widest || !open_at(stack, p, 0.4 * t.radius) || open_at(stack, p + Vec3d(0, 0, 2.0 * t.radius), 0.5 * t.radius)) continue;
+        widest = t.radius;
+        view.eye = p, view.target = t.points[4];
+    }
+    if (view.target == Vec3d(0.0)) view.target = view.eye + farthest_view(stack, view.eye);
+    return view;
+}
+
 }  // namespace
+
+BenchTerrain bench_terrain(bool rugged, Vec2i size)
+{
+    TerrainRecipe r;
+    r.size = size;
+    r.rugged = rugged;
+    r.relief = std::min(226.0, 226.0 * std::max(size.x, size.y) / 1024.0);
+    BenchTerrain terrain;
+    terrain.stack = make_terrain(r);
+    const Recipe recipe(r);
+    const double nx = size.x, ny = size.y;
+    terrain.views.push_back({"aerial", {0.1 * nx, 0.05 * ny, 2.0 * r.relief}, {0.5 * nx, 0.55 * ny, 0.4 * r.relief}, 0.5});
+    terrain.views.push_back(canyon_view(*terrain.stack, recipe, r.relief));
+    terrain.views.push_back(tunnel_view(*terrain.stack, recipe));
+    return terrain;
+}
 
 std::shared_ptr<MaterialStack> make_terrain(const TerrainRecipe& r)
 {

@@ -4,6 +4,8 @@
 #include "terrain/stack/material_stack.h"
 
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace hoodoo::testing {
 
@@ -20,5 +22,20 @@ struct TerrainRecipe {
 /// fBm, ridges, terraces and canyons for the ground; overhangs where 3-D noise carves or adds matter near it; tunnels of swept spheres. Bedrock with
 /// sand on flat ground. Heights are whole multiples of cell / 32.
 std::shared_ptr<MaterialStack> make_terrain(const TerrainRecipe& recipe);
+
+/// A square perspective view: `half_width` is the tangent of half its angle.
+struct View {
+    std::string name;
+    Vec3d eye, target;
+    double half_width = 0.6;
+};
+
+struct BenchTerrain {
+    std::shared_ptr<MaterialStack> stack;
+    std::vector<View> views;   ///< aerial, canyon, tunnel
+};
+
+/// The terrain that intersectors are measured on, cells of 1 m; smaller sizes have less relief, so that slopes stay the same.
+BenchTerrain bench_terrain(bool rugged, Vec2i size);
 
 }  // namespace hoodoo::testing
