@@ -13,7 +13,9 @@ namespace hoodoo {
 std::span<const CatalogueEntry> catalogue()
 {
     static const std::vector<CatalogueEntry> rows = {
+        plane_row(),
         mesh_row(),
+        convolution_row(),
     };
     return rows;
 }

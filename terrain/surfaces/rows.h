@@ -5,6 +5,8 @@
 
 namespace hoodoo {
 
+CatalogueEntry plane_row();
 CatalogueEntry mesh_row();
+CatalogueEntry convolution_row();
 
 }  // namespace hoodoo

@@ -1,0 +1,253 @@
+// A layer stack seen through its convolution field: smooth cliffs, arches and caves, met by rays directly, without a mesh.
+// Peytavie2009, sections 3 and 5: f = 1 - V/(4 sigma^3) of the ground (stack/convolution.h); materials blended by their visible shares.
+// Bodies: the ground (`materials` of the stack, one field) and, with rocks = "surface", the rock layers as a second body of their own, so that nothing
+// is invisible until rocks are instanced. Each has its own patches; tiles of the bodies follow one another.
+// interact() refines the patch's hit on the field itself in double precision: a bracket around t, then bisection with secant steps.
+// Geometric normal: the field's gradient (one-sided). Shading normal: central differences with half-width `normal_width` (continuous).
+// Deviations: the paper polygonises; its triplanar weights belong to the renderer. Surfaces exist over the grid's rectangle only: with `extend` the
+// edge columns go on for the field's sake (no wall at the edge), but rays beyond it meet nothing. Missing: water surfaces; rocks as instances.
+#include "terrain/error.h"
+#include "terrain/march/exact_cells.h"
+#include "terrain/march/sphere_bricks.h"
+#include "terrain/stack/visible.h"
+#include "terrain/surfaces/refine.h"
+#include "terrain/surfaces/rows.h"
+#include "terrain/surfaces/stack_source.h"
+
+#include <chrono>
+
+namespace hoodoo {
+
+namespace {
+
+using IntersectorFactory = std::unique_ptr<PatchIntersector> (*)(const ConvolutionField&);
+
+struct Body {
+    MaterialSet set;
+    std::unique_ptr<const ConvolutionField> field;
+    std::unique_ptr<const PatchIntersector> patches;
+    std::uint32_t first_tile;
+};
+
+class ConvolutionSurface final : public Surface {
+public:
+    ConvolutionSurface(std::shared_ptr<const MaterialStack> stack, double normal_width) : stack_(std::move(stack)), normal_width_(normal_width) {}
+
+    void add_body(const Ground& ground, double sigma, IntersectorFactory make)
+    {
+        Body body{ground.materials(), std::make_unique<ConvolutionField>(ground, sigma), nullptr, tiles_};
+        body.patches = make(*body.field);
+        tiles_ += body.patches->tile_count();
+        bodies_.push_back(std::move(body));
+        names_.clear();
+        for (std::size_t m = 0; m < kMaterialCount; ++m) {
+            bool used = false;
+            for (const Body& b : bodies_) used = used || ((b.set >> m) & 1u);
+            index_of_[m] = static_cast<std::uint8_t>(names_.size());
+            if (used) names_.push_back(material_name(static_cast<Material>(m)));
+        }
+    }
+
+    void set_build_seconds(double seconds) { build_seconds_ = seconds; }
+
+    std::uint32_t tile_count() const override { return tiles_; }
+    std::uint32_t patch_count(std::uint32_t tile) const override
+    {
+        const Body& body = body_of(tile);
+        return body.patches->patch_count(tile - body.first_tile);
+    }
+    Box3d patch_bounds(PatchId patch) const override
+    {
+        const Body& body = body_of(patch.tile);
+        return body.patches->patch_bounds({patch.tile - body.first_tile, patch.index});
+    }
+    bool intersect(PatchId patch, const Ray& ray, Hit& hit) const override
+    {
+        const Body& body = body_of(patch.tile);
+        if (!body.patches->intersect({patch.tile - body.first_tile, patch.index}, ray, hit)) return false;
+        hit.patch = patch;
+        return true;
+    }
+    bool occluded(PatchId patch, const Ray& ray) const override
+    {
+        const Body& body = body_of(patch.tile);
+        return body.patches->occluded({patch.tile - body.first_tile, patch.index}, ray);
+    }
+
+    Interaction interact(const Ray& ray, const Hit& hit) const override
+    {
+        const Body& body = body_of(hit.patch.tile);
+        Interaction at;
+        const Refined refined = refine_crossing(*body.field, ray, hit.t, body.patches->value_error(), stack_->cell());
+        at.t = refined.t;
+        at.position = ray.at(refined.t);
+        at.position_error = refined.error;
+        const Vec3d smooth = body.field->smoothed_gradient(at.position, normal_width_);
+        at.geometric_normal = body.field->gradient(at.position);
+        if (!(at.geometric_normal.length() > 1e-9 / body.field->sigma())) at.geometric_normal = smooth;
+        at.geometric_normal.normalize();
+        at.shading_normal = into_hemisphere(smooth.normalized(), at.geometric_normal);
+        at.spawn_offset = spawn_offset(body, at);
+        at.texture_point = at.position;
+        add_materials(body, at);
+        return at;
+    }
+
+    bool contains(const Vec3d& p) const override
+    {
+        for (const Body& body : bodies_) {
+            if (body.field->value(p) <= 0.0) return true;
+        }
+        return false;
+    }
+
+    std::vector<std::string> materials() const override { return names_; }
+    bool closed() const override { return bodies_.front().field->ground().border() == Border::cut; }
+
+    SurfaceInfo info() const override
+    {
+        SurfaceInfo info;
+        info.columns = static_cast<std::uint64_t>(stack_->size().x) * static_cast<std::uint64_t>(stack_->size().y);
+        info.layers = stack_->layer_count();
+        info.stack_bytes = stack_->memory_bytes();
+        for (const Body& body : bodies_) {
+            info.trace_bytes += body.patches->memory_bytes();
+            for (std::uint32_t t = 0; t < body.patches->tile_count(); ++t) info.patches += body.patches->patch_count(t);
+        }
+        info.build_seconds = build_seconds_;
+        return info;
+    }
+
+private:
+    const Body& body_of(std::uint32_t tile) const
+    {
+        std::size_t b = bodies_.size() - 1;
+        while (bodies_[b].first_tile > tile) --b;
+        return bodies_[b];
+    }
+
+    /// Doubles the offset until the field says air by more than the patches can err. Other bodies count as long as the point does not lie deep in
+    /// them: where rock rests on ground the two surfaces coincide, and no offset leaves both.
+    double spawn_offset(const Body& body, const Interaction& at) const
+    {
+        const double least = std::max(2.0 * at.position_error, 1e-9 * stack_->cell());
+        const auto outside = [&](const Body& b, double offset) {
+            return b.field->value(at.position + at.geometric_normal * offset) > 2.0 * b.patches->value_error();
+        };
+        const double most = body.field->sigma();
+        double own = least;
+        while (own < most && !outside(body, own)) own *= 2.0;
+        for (double offset = own; offset < most; offset *= 2.0) {
+            bool all = true;
+            for (const Body& b : bodies_) all = all && outside(b, offset);
+            if (all) return offset;
+        }
+        return own;
+    }
+
+    void add_materials(const Body& body, Interaction& at) const
+    {
+        const auto areas = visible_areas(body.field->ground(), body.set, body.field->sigma(), at.position);
+        double sum = 0.0;
+        for (const double area : areas) sum += area;
+        if (!(sum > 0.0)) {
+            at.materials.add(index_of_[static_cast<std::size_t>(first_of(body.set))], 1.0f);
+            return;
+        }
+        for (std::size_t m = 0; m < kMaterialCount; ++m) {
+            if (areas[m] > 0.0) at.materials.add(index_of_[m], static_cast<float>(areas[m] / sum));
+        }
+    }
+
+    static Material first_of(MaterialSet set)
+    {
+        if ((set >> static_cast<unsigned>(Material::bedrock)) & 1u) return Material::bedrock;
+        std::size_t m = 0;
+        while (!((set >> m) & 1u)) ++m;
+        return static_cast<Material>(m);
+    }
+
+    std::shared_ptr<const MaterialStack> stack_;
+    double normal_width_;
+    std::vector<Body> bodies_;
+    std::uint32_t tiles_ = 0;
+    std::vector<std::string> names_;
+    std::array<std::uint8_t, kMaterialCount> index_of_{};
+    double build_seconds_ = 0.0;
+};
+
+IntersectorFactory choose_intersector(const Values& values, const Ground& ground, double sigma)
+{
+    const std::string& wanted = values.text("intersector");
+    if (wanted == "sphere") return make_sphere_bricks;
+    const std::optional<std::string> why_not = why_not_exact(ConvolutionField(ground, sigma));
+    if (!why_not) return make_exact_cells;
+    if (wanted == "exact") throw values.problem("intersector", "the exact intersector cannot be used: " + *why_not, "intersector = \"sphere\" or another sigma");
+    return make_sphere_bricks;
+}
+
+bool has_material(const MaterialStack& stack, Material material)
+{
+    for (int j = 0; j < stack.size().y; ++j) {
+        for (int i = 0; i < stack.size().x; ++i) {
+            for (const std::uint16_t word : stack.words(i, j)) {
+                if (MaterialStack::material_of(word) == material) return true;
+            }
+        }
+    }
+    return false;
+}
+
+Shape make_convolution(const Values& values, const BuildContext& context)
+{
+    const auto start = std::chrono::steady_clock::now();
+    if (context.progress) context.progress(0.0, context.name + ": layers");
+    const std::shared_ptr<const MaterialStack> stack = make_stack(values, context);
+    const double sigma = values.has("sigma") ? values.number("sigma") : stack->cell() * values.number("sigma_cells");
+    if (!(sigma <= 64.0 * stack->cell())) throw values.problem(values.has("sigma") ? "sigma" : "sigma_cells", "the kernel is too wide", "at most 64 cells");
+    MaterialSet set = 0;
+    for (const std::string& name : values.names("materials")) set = static_cast<MaterialSet>(set | material_set({material_from_name(name)}));
+    const std::string& rocks = values.text("rocks");
+    if (rocks == "ground") set = static_cast<MaterialSet>(set | material_set({Material::rock}));
+    const bool cut = values.text("border") == "cut";
+    // A cut block's default base is as thick as the kernel's cube is wide: a flat bottom, not a rounded one.
+    const double base = cut ? std::ceil((values.has("base") ? values.number("base") : 2.0 * sigma) / stack->unit()) : 0.0;
+    if (!(base <= 1e6)) throw values.problem("base", "the base of the block is too thick", "at most 1e6 height units");
+    const Border border = cut ? Border::cut : Border::extend;
+
+    if (context.progress) context.progress(0.3, context.name + ": surface");
+    auto surface = std::make_unique<ConvolutionSurface>(stack, values.number("normal_width") * stack->cell());
+    const Ground ground(stack, set, border, static_cast<std::int32_t>(base));
+    surface->add_body(ground, sigma, choose_intersector(values, ground, sigma));
+    if (rocks == "surface" && !ground.contains(Material::rock) && has_material(*stack, Material::rock)) {
+        const Ground rock(stack, material_set({Material::rock}), border, static_cast<std::int32_t>(base));
+        surface->add_body(rock, sigma, choose_intersector(values, rock, sigma));
+    }
+    surface->set_build_seconds(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    return surface;
+}
+
+}  // namespace
+
+CatalogueEntry convolution_row()
+{
+    Schema schema{"convolution", "Layers of material under a smoothing kernel: cliffs, overhangs, arches and caves.", stack_parameters()};
+    const std::vector<Parameter> own = {
+        {.name = "sigma", .type = ParameterType::length, .doc = "Half-width of the kernel's cube; overrides sigma_cells.", .unit = "m", .minimum = 0, .above_minimum = true},
+        {.name = "sigma_cells", .type = ParameterType::number, .doc = "Half-width of the kernel's cube in cells.", .fallback = 1.0, .unit = "cell", .minimum = 0, .maximum = 64, .above_minimum = true},
+        {.name = "materials", .type = ParameterType::names, .doc = "What is ground: one smooth body.", .fallback = std::vector<std::string>{"sand", "bedrock", "soil"},
+         .choices = {"water", "sand", "bedrock", "rock", "soil"}, .min_count = 1, .max_count = 5},
+        {.name = "rocks", .type = ParameterType::choice, .doc = "Rock layers: a surface of their own, part of the ground, or not traced.", .fallback = std::string("surface"),
+         .choices = {"surface", "ground", "hidden"}},
+        {.name = "border", .type = ParameterType::choice, .doc = "Edge columns go on for ever, or the block is cut out with walls and a bottom.", .fallback = std::string("extend"),
+         .choices = {"extend", "cut"}},
+        {.name = "base", .type = ParameterType::length, .doc = "Thickness of a cut block below the datum; 2 sigma by default.", .unit = "m", .minimum = 0, .above_minimum = true},
+        {.name = "intersector", .type = ParameterType::choice, .doc = "exact: closed form, needs 2 sigma a multiple of the cell; sphere: any sigma, less memory; auto: exact where possible.",
+         .fallback = std::string("auto"), .choices = {"auto", "exact", "sphere"}},
+        {.name = "normal_width", .type = ParameterType::number, .doc = "Half-width of the differences that give shading normals.", .fallback = 0.75, .unit = "cell", .minimum = 0.01, .maximum = 8},
+    };
+    schema.parameters.insert(schema.parameters.end(), own.begin(), own.end());
+    return {"convolution", "Peytavie2009", std::move(schema), make_convolution};
+}
+
+}  // namespace hoodoo
