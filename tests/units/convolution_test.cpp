@@ -36,8 +36,13 @@ TEST(Convolution, visible_areas_equal_the_golden_ones)
     const nlohmann::json data = testing::golden_arches();
     for (const auto& row : data["visible_area"]) {
         const auto areas = visible_areas(Ground(stack, kGround, Border::extend), kGround, row["sigma"].get<double>(), point(row["p"]));
-        EXPECT_NEAR(areas[static_cast<std::size_t>(Material::sand)], row["area_sand"].get<double>(), 1e-11);
-        EXPECT_NEAR(areas[static_cast<std::size_t>(Material::bedrock)], row["area_bedrock"].get<double>(), 1e-11);
+        // Overlaps are multiples of 0.1 here and heights of 0.01, so true areas are multiples of 0.001. The oracle scans heights in steps, which
+        // shows in its last case (0.6799575 for 0.680).
+        const double sand = areas[static_cast<std::size_t>(Material::sand)], bedrock = areas[static_cast<std::size_t>(Material::bedrock)];
+        EXPECT_NEAR(sand, row["area_sand"].get<double>(), 3e-4);
+        EXPECT_NEAR(bedrock, row["area_bedrock"].get<double>(), 3e-4);
+        EXPECT_NEAR(sand, std::round(sand * 1000) / 1000, 1e-11);
+        EXPECT_NEAR(bedrock, std::round(bedrock * 1000) / 1000, 1e-11);
         EXPECT_EQ(areas[static_cast<std::size_t>(Material::rock)], 0.0);
     }
 }
