@@ -25,8 +25,9 @@ struct RenderOptions {
     std::optional<std::uint64_t> seed;
     int threads = 0;                                         ///< 0: all the process may use
     int tile_size = 32;                                      ///< pixels; never changes the picture
-    bool quick = false;                                      ///< a quarter of the resolution and of the samples
+    bool quick = false;                                      ///< a quarter of the width, of the height and of the samples
     bool pin_date = true;                                    ///< DateTime in the header is fixed, so that equal pictures are equal files
+    bool measurements = true;                                ///< renderTime and memory in the header: the one thing that differs from run to run
     const std::atomic<bool>* cancel = nullptr;               ///< set it to stop
     std::function<void(double fraction, const std::string& what)> progress;   ///< from any thread, one at a time
 };
@@ -53,8 +54,5 @@ void write_picture(const Image& image, const std::string& path, const LoadedScen
 
 /// Throws what write_picture would throw for the name alone, so that a wrong ending is found before an hour of light.
 void check_picture_name(const std::string& path);
-
-/// What the library was built with: "Embree 3.13.5, OpenImageIO 2.4.7, ...".
-std::string library_versions();
 
 }  // namespace hoodoo

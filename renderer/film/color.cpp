@@ -209,6 +209,8 @@ ColorTransform ColorConfig::to_display(const std::string& display, const std::st
     }
 }
 
+std::string ColorConfig::display_name(const std::string& display) const { return display.empty() ? implementation_->config->getDefaultDisplay() : display; }
+
 std::string ColorConfig::rendering_space() const { return implementation_->rendering; }
 
 std::vector<float> ColorConfig::chromaticities() const

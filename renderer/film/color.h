@@ -38,6 +38,9 @@ public:
     /// at `where`, on a name the configuration does not have.
     ColorTransform to_display(const std::string& display, const std::string& view, const Source& where = {}) const;
 
+    /// `display`, or the configuration's default if it is empty.
+    std::string display_name(const std::string& display) const;
+
     /// Name of the rendering space in this configuration.
     std::string rendering_space() const;
     /// CIE xy of red, green, blue and white of the rendering space, as in an EXR header; empty if the configuration has no ACES 2065-1 space.

@@ -2,6 +2,7 @@
 //
 // OpenEXR itself is used, not OpenImageIO: every attribute is ours, equal pictures make equal bytes, and errors are thrown. The pixels go out in
 // bands of rows, because converting whole planes to half would double the memory of a large picture; the check reads the file in the same bands.
+// Ids are floats, not the format's integers: a float holds every id below 2^24 exactly, and programs that read integers as floats scale them to [0, 1].
 // Attribute names and conventions: OpenEXR's list of standard attributes; capDate is what other programs call DateTime.
 //
 // Missing: parts, tiles, deep data, compression other than zip.
@@ -56,7 +57,6 @@ bool starts_with_one_of(const std::string& name, std::initializer_list<const cha
 
 Imf::PixelType pixel_type(const std::string& name, bool radiance_fits_half)
 {
-    if (name == "objectId" || name == "instanceId") return Imf::UINT;
     if (name == "R" || name == "G" || name == "B") return radiance_fits_half ? Imf::HALF : Imf::FLOAT;
     if (name == "A" || starts_with_one_of(name, {"N.", "Ng.", "albedo.", "material."})) return Imf::HALF;
     return Imf::FLOAT;
@@ -71,7 +71,7 @@ bool fits_half(const Image& image)
     return true;
 }
 
-/// Rows y0 to y1 of a channel in the type of the file.
+/// The values in the type of the file.
 std::vector<char> encode(std::span<const float> values, Imf::PixelType type)
 {
     std::vector<char> bytes(values.size() * (type == Imf::HALF ? 2 : 4));
@@ -80,9 +80,6 @@ std::vector<char> encode(std::span<const float> values, Imf::PixelType type)
         if (type == Imf::HALF) {
             const half h(value);
             std::memcpy(&bytes[2 * i], &h, 2);
-        } else if (type == Imf::UINT) {
-            const auto id = static_cast<std::uint32_t>(value);
-            std::memcpy(&bytes[4 * i], &id, 4);
         } else {
             std::memcpy(&bytes[4 * i], &value, 4);
         }

@@ -26,7 +26,7 @@ struct PixelSample {
 struct FilmLayout {
     int width = 0, height = 0;
     PixelBounds data;
-    int samples = 0;               ///< a pixel, over all replicates (a multiple of `replicates`)
+    int samples = 0;               ///< a pixel, over all replicates; each takes its share, to within one
     int replicates = 1;            ///< independently scrambled repetitions; 1: variance from blocks of 16
     std::vector<std::string> materials;   ///< names of the material.* channels
 };

@@ -1,6 +1,7 @@
 // PNG files: eight bits a channel, as the colour configuration wants a screen to show the light.
 //
 // OpenImageIO encodes into memory, where no full disk can make it lie; the bytes take the same verified way to the disk as every file of ours.
+// It works in the calling thread: its own thread pool would belong to the whole process, and to no child of it.
 // Its colour space must be said: left alone, the encoder marks the file as linear (gAMA 1.0) and viewers show it far too bright.
 #include "renderer/film/atomic_file.h"
 #include "renderer/film/write.h"
@@ -53,6 +54,7 @@ std::vector<unsigned char> encode(const std::vector<std::uint8_t>& pixels, const
     std::vector<unsigned char> encoded;
     OIIO::Filesystem::IOVecOutput memory(encoded);
     const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
+    if (output) output->threads(1);
     if (!output || !output->set_ioproxy(&memory) || !output->open("picture.png", spec) || !output->write_image(OIIO::TypeDesc::UINT8, pixels.data()) ||
         !output->close())
         throw std::runtime_error(output ? output->geterror() : OIIO::geterror());
@@ -73,6 +75,7 @@ void verify(const std::vector<std::uint8_t>& pixels, const PixelBounds& data, co
     OIIO::Filesystem::IOMemReader memory(bytes.data(), bytes.size());
     const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open("picture.png", nullptr, &memory);
     if (!input) throw std::runtime_error(OIIO::geterror());
+    input->threads(1);
     const OIIO::ImageSpec& spec = input->spec();
     if (spec.width != data.width() || spec.height != data.height() || spec.nchannels != 3) throw std::runtime_error("its size differs");
     std::vector<std::uint8_t> found(pixels.size());

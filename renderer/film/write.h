@@ -9,8 +9,8 @@
 namespace hoodoo {
 
 /// Writes all channels and the metadata into a single-part OpenEXR file, zip compressed; the data window inside the display window, row 0 on top.
-/// objectId and instanceId are 32-bit integers; R, G, B, A, N.*, Ng.*, albedo.*, material.* are half floats, everything else floats. R, G, B become floats
-/// where a half would overflow (a visible sun). Metadata: 2, 3, 16 numbers become a vector or a matrix, the 8 of `chromaticities` that attribute, and
+/// R, G, B, A, N.*, Ng.*, albedo.*, material.* are half floats, everything else floats (ids too: exact below 2^24). R, G, B become floats where a half
+/// would overflow (a visible sun). Metadata: 2, 3, 16 numbers become a vector or a matrix, the 8 of `chromaticities` that attribute, and
 /// `DateTime` (YYYY:MM:DD HH:MM:SS) the standard capDate. Equal images make equal bytes. Atomic and verified; throws Error (file).
 void write_exr(const Image& image, const std::string& path);
 

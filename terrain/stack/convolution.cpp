@@ -140,12 +140,10 @@ Local local_bounds(const Ground& ground, double sigma, const Box3d& box)
     const Vec2i left = columns(x0 - half, x1 - half), right = columns(x0 + half, x1 + half);
     const Vec2i front = columns(y0 - half, y1 - half), back = columns(y0 + half, y1 + half);
 
-    // D of one column over the heights of the box. `all` spans every window [z - sigma, z + sigma], `common` is in each of them: a window holds at
-    // least the matter of `common` and lacks at most the air of `all`, and the other way round.
-    const double span = z1 - z0 + 2.0 * tall, common = std::max(0.0, 2.0 * tall - (z1 - z0));
+    // D of one column over the heights of the box: C is monotone, and D itself changes by at most one unit a unit.
     const auto matter = [&](int i, int j) {
-        const double all = ground.length(i, j, z0 - tall, z1 + tall), shared = common > 0.0 ? ground.length(i, j, z1 - tall, z0 + tall) : 0.0;
-        return Interval{std::max(shared, 2.0 * tall - (span - all)), std::min(all, 2.0 * tall - (common - shared))};
+        const double least = z0 + tall > z1 - tall ? ground.length(i, j, z1 - tall, z0 + tall) : 0.0;
+        return Interval{least, std::min(2.0 * tall, ground.length(i, j, z0 - tall, z1 + tall))};
     };
     const auto in = [](const Vec2i& range, int i) { return range.x <= i && i <= range.y; };
     Hull dx, dy, dz, value;
