@@ -104,6 +104,9 @@ public:
     std::vector<std::string> materials() const override { return names_; }
     bool closed() const override { return bodies_.front().field->ground().border() == Border::cut; }
 
+    /// Two bodies have no common field.
+    const Field* field() const override { return bodies_.size() == 1 ? bodies_.front().field.get() : nullptr; }
+
     SurfaceInfo info() const override
     {
         SurfaceInfo info;

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <atomic>
 #include <ostream>
 
@@ -106,6 +107,93 @@ std::vector<Case> cases()
     all.push_back({Kind::sphere, 0.83, true, Border::extend});
     all.push_back({Kind::sphere, 1.71, true, Border::cut});
     return all;
+}
+
+// -- The oracle itself ---------------------------------------------------------------------------------------------------------------------
+
+TEST(StackOracle, agrees_with_the_golden_rays_and_field_values)
+{
+    // a_arches.json: box sums for the field, a dense march with bisection for the rays; the paper's sign, so negated here.
+    const nlohmann::json data = testing::golden_arches();
+    const auto stack = testing::golden_stack();
+    for (const auto& f : data["field"]) {
+        const Ground ground(stack, kGround, Border::extend);
+        const StackOracle oracle(ground, f["sigma"]);
+        EXPECT_NEAR(oracle.value(Vec3d(f["p"][0], f["p"][1], f["p"][2])), -f["f_ground"].get<double>(), 1e-12);
+    }
+    int hits = 0;
+    for (const auto& r : data["rays"]) {
+        const Ground ground(stack, kGround, Border::extend);
+        const StackOracle oracle(ground, r["sigma"]);
+        Ray ray;
+        ray.origin = Vec3d(r["o"][0], r["o"][1], r["o"][2]);
+        ray.direction = Vec3d(r["d"][0], r["d"][1], r["d"][2]);
+        const bool hit = r["t_hit"].is_number();
+        // The golden terrain goes on beyond its grid, so the whole ray counts. The first stretch of matter begins at the hit, a margin later.
+        const double end = hit ? r["t_hit"].get<double>() + 0.01 : 60.0;
+        const auto stretches = oracle.stretches(ray, 0.0, end, 1e-9);
+        const auto first = std::find_if(stretches.begin(), stretches.end(), [](const auto& s) { return s.inside; });
+        ASSERT_EQ(first != stretches.end(), hit);
+        if (!hit) continue;
+        ++hits;
+        EXPECT_NEAR(first->from, r["t_hit"].get<double>(), 1e-6);
+    }
+    EXPECT_GT(hits, 5);
+}
+
+TEST(StackOracle, sees_every_planted_fault)
+{
+    testing::TerrainRecipe recipe;
+    recipe.size = {24, 20};
+    recipe.relief = 16.0;
+    const ConvolutionField field(Ground(testing::make_terrain(recipe), kGround, Border::extend), 1.0);
+    const auto patches = make_sphere_bricks(field);
+    const StackOracle oracle(field.ground(), field.sigma());
+    int hits = 0, missed = 0, second_hits_missed = 0, seconds = 0, pushed = 0;
+    for (std::uint64_t k = 0; k < 1000; ++k) {
+        const Ray ray = testing::test_ray(field, 12, k);
+        const double t = nearest(*patches, ray).t;
+        if (!std::isfinite(t)) continue;
+        ++hits;
+        const double error = tolerance(*patches, field, ray, t);
+        // A hit that is left out, the next one told instead of the first, a hit a millionth of a cell too far.
+        missed += judge(oracle, ray, kInfinity, error).missed;
+        Ray behind = ray;
+        behind.t_min = t + 1e-6;
+        const double next = nearest(*patches, behind).t;
+        if (std::isfinite(next)) ++seconds, second_hits_missed += judge(oracle, ray, next, error).missed;
+        pushed += judge(oracle, ray, t + 1e-6, error).false_hit;
+    }
+    // All but grazes that are shallower than the error, and rays whose field is flat.
+    EXPECT_GT(missed, hits * 99 / 100);
+    EXPECT_GT(second_hits_missed, seconds * 98 / 100);
+    EXPECT_GT(pushed, hits * 98 / 100);
+    EXPECT_GT(seconds, 100);
+}
+
+TEST(TestRays, are_as_hard_as_promised)
+{
+    testing::TerrainRecipe recipe;
+    recipe.size = {24, 20};
+    recipe.relief = 16.0;
+    const ConvolutionField field(Ground(testing::make_terrain(recipe), kGround, Border::extend), 1.0);
+    int tangent = 0, near = 0, aligned = 0;
+    const int n = 1000;
+    for (int k = 0; k < n; ++k) {
+        const Ray ray = testing::test_ray(field, 13, static_cast<std::uint64_t>(k));
+        near += std::abs(field.value(ray.origin)) < 1.0;
+        aligned += ray.direction.x == 0.0 || ray.direction.y == 0.0 || ray.direction.z == 0.0;
+        // Tangent at one of the ray's crossings, or where it comes nearest to one: |df/dt| small against the gradient at small |f|.
+        bool grazes = false;
+        for (double t = 0.0; t < 30.0 && !grazes; t += 0.02) {
+            const Vec3d p = ray.at(t), g = field.gradient(p);
+            grazes = std::abs(field.value(p)) < 0.02 && std::abs(g.dot(ray.direction)) < 0.02 * g.length();
+        }
+        tangent += grazes;
+    }
+    EXPECT_GE(tangent, n / 5);
+    EXPECT_GE(near, n / 10);
+    EXPECT_GE(aligned, n / 10);
 }
 
 INSTANTIATE_TEST_SUITE_P(Laws, Intersector, ::testing::ValuesIn(cases()), ::testing::PrintToStringParamName());
