@@ -220,7 +220,8 @@ Description read_scene(const std::string& path_or_text, bool is_text, const Scen
     // Read the files. Nothing can be said of the sections while one of them is missing.
     SceneLoader loader(files, budget, problems);
     Node root = is_text ? loader.load_text(path_or_text) : loader.load_file(path_or_text);
-    if (!problems.empty()) throw_all(loader.only_files_missing() ? ErrorKind::file : ErrorKind::scene, std::move(problems));
+    const ErrorKind kind = loader.only_files_missing() ? ErrorKind::file : ErrorKind::scene;
+    if (!problems.empty()) throw_all(kind, std::move(problems));
 
     // Put in what the command line and the parameters say.
     apply_sets(root, overrides, problems);

@@ -2,17 +2,14 @@
 // Filter widths (diameters): Blackman-Harris 3.3 pixels and Gaussian 3 (sigma 0.5) keep a pixel's neighbours out without blur; a box is the pixel itself.
 #include "renderer/scene/sections.h"
 
+#include "renderer/light/light.h"
+#include "renderer/scene/camera.h"
 #include "renderer/shading/look.h"
 #include "terrain/catalogue.h"
 
 #include <fmt/format.h>
 
-#include <span>
-
 namespace hoodoo {
-
-const Schema& camera_schema();
-std::span<const Schema> light_schemas();
 
 const Schema& film_schema()
 {
