@@ -1,0 +1,159 @@
+// The command line: arguments in, one command, and the one place where its errors are caught. The only includer of CLI11.
+// Exit codes: 0; 1 internal; 2 arguments or scene; 3 files; 4 memory; 130 and 143 after SIGINT and SIGTERM.
+#include "renderer/hosts/cli.h"
+
+#include "terrain/isa.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <new>
+
+namespace hoodoo::cli {
+namespace {
+
+/// All that the options fill in.
+struct Arguments {
+    RenderArguments render;
+    std::vector<std::string> params, sets;
+    std::uint64_t seed = 0;
+    int spp = 0, replicates = 0;
+    std::vector<int> resolution, pixel_bounds;
+    std::vector<double> crop_window;
+    std::string section;
+};
+
+std::pair<std::string, std::string> key_and_value(const std::string& text, const char* flag)
+{
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+        throw Error(ErrorKind::scene, Problem{{}, fmt::format("{} {} names no value", flag, text), "key=value", {}, {}});
+    return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+const CLI::Validator picture_name(
+    [](std::string& name) {
+        const bool known = name.size() > 4 && (name.ends_with(".exr") || name.ends_with(".png"));
+        return known ? std::string() : "a picture ends in .exr or .png, not \"" + name + "\"";
+    },
+    "FILE.exr|FILE.png", "picture");
+
+void add_scene_options(CLI::App& command, Arguments& a)
+{
+    SceneArguments& scene = a.render.scene;
+    command.add_option("scene", scene.scene, "Scene file (TOML)")->required();
+    command.add_option("-D,--define", a.params, "Replace a parameter of the scene: name=value")->take_all()->allow_extra_args(false);
+    command.add_option("--set", a.sets, "Replace any value of the scene: path.to.key=value")->take_all()->allow_extra_args(false);
+    command.add_option("--allow-read", scene.overrides.allowed_roots, "A folder the scene may read files from, beside its own")->take_all()->allow_extra_args(false);
+    command.add_option("--colorconfig", scene.colorconfig, "OpenColorIO configuration (else the scene's, $OCIO, the one built in)");
+    command.add_option("-t,--threads", scene.threads, "Threads; 0 = all this process may use")->check(CLI::Range(0, 4096));
+    command.add_option("--seed", a.seed, "Replace the scene's seed");
+    command.add_flag("-q,--quiet", scene.quiet, "Say nothing but errors");
+}
+
+void add_render(CLI::App& app, Arguments& a)
+{
+    CLI::App* command = app.add_subcommand("render", "Render a scene");
+    add_scene_options(*command, a);
+    RenderArguments& r = a.render;
+    command->add_option("-o,--output", r.outputs, "Picture to write; several may be given")->take_all()->allow_extra_args(false)->check(picture_name);
+    command->add_option("--spp", a.spp, "Samples a pixel")->check(CLI::Range(1, 1 << 24));
+    command->add_option("-r,--resolution", a.resolution, "Width and height in pixels")->expected(2)->check(CLI::Range(1, 65536));
+    command->add_option("--replicates", a.replicates, "Independent repetitions among the samples (unbiased variance)")->check(CLI::Range(1, 4096));
+    auto* crop = command->add_option("--crop-window", a.crop_window, "x0,x1,y0,y1 as fractions of the picture, y downwards")->delimiter(',')->expected(4);
+    command->add_option("--pixel-bounds", a.pixel_bounds, "x0,x1,y0,y1 in pixels, half-open, y downwards")->delimiter(',')->expected(4)->excludes(crop);
+    command->add_flag("--quick", r.options.quick, "A quarter of the resolution and of the samples");
+    command->add_flag("-n,--dry-run", r.dry_run, "Read and build the scene, estimate time and memory, write nothing");
+}
+
+void add_commands(CLI::App& app, Arguments& a)
+{
+    add_render(app, a);
+    add_scene_options(*app.add_subcommand("check", "Read and build a scene, report all its errors"), a);
+    add_scene_options(*app.add_subcommand("info", "Print what a scene is made of, as JSON"), a);
+    app.add_subcommand("schema", "Print the JSON Schema of scenes for editors")->add_option("section", a.section, "Explain one section instead: film, terrain.TYPE, light.TYPE ...");
+    app.add_subcommand("version", "Print the versions of the program and its libraries");
+}
+
+void check_bounds(const Arguments& a)
+{
+    const auto& c = a.crop_window;
+    if (!c.empty() && !(c[0] >= 0 && c[0] < c[1] && c[1] <= 1 && c[2] >= 0 && c[2] < c[3] && c[3] <= 1))
+        throw Error(ErrorKind::scene, Problem{{}, "--crop-window is no window", "x0,x1,y0,y1 with 0 <= x0 < x1 <= 1 and 0 <= y0 < y1 <= 1", {}, {}});
+    const auto& p = a.pixel_bounds;
+    if (!p.empty() && !(p[0] >= 0 && p[0] < p[1] && p[2] >= 0 && p[2] < p[3]))
+        throw Error(ErrorKind::scene, Problem{{}, "--pixel-bounds are no bounds", "x0,x1,y0,y1 with 0 <= x0 < x1 and 0 <= y0 < y1", {}, {}});
+}
+
+/// What CLI11 read, as the commands take it.
+void finish_arguments(const CLI::App& command, Arguments& a)
+{
+    SceneArguments& scene = a.render.scene;
+    for (const std::string& text : a.params) scene.overrides.params.push_back(key_and_value(text, "-D"));
+    for (const std::string& text : a.sets) scene.overrides.sets.push_back(key_and_value(text, "--set"));
+    const auto given = [&](const char* name) {
+        const CLI::Option* option = command.get_option_no_throw(name);
+        return option && option->count() > 0;
+    };
+    RenderOptions& o = a.render.options;
+    o.threads = scene.threads;
+    if (given("--seed")) o.seed = scene.overrides.seed = a.seed;
+    if (given("--spp")) o.spp = a.spp;
+    if (given("--replicates")) o.replicates = a.replicates;
+    check_bounds(a);
+    if (a.resolution.size() == 2) {
+        o.width = a.resolution[0];
+        o.height = a.resolution[1];
+    }
+    if (a.crop_window.size() == 4) o.crop_window = {a.crop_window[0], a.crop_window[1], a.crop_window[2], a.crop_window[3]};
+    if (a.pixel_bounds.size() == 4) o.pixel_bounds = PixelBounds{a.pixel_bounds[0], a.pixel_bounds[1], a.pixel_bounds[2], a.pixel_bounds[3]};
+    if (command.get_name() == "render" && a.render.outputs.empty() && !a.render.dry_run)
+        throw Error(ErrorKind::scene, Problem{{}, "render writes no picture", "-o FILE.exr or --dry-run", {}, {}});
+}
+
+int run(int argc, char** argv)
+{
+    Arguments arguments;
+    CLI::App app("Path tracer for terrains that height maps and meshes cannot hold.", "hoodoo");
+    app.require_subcommand(1);
+    app.set_version_flag("--version", [] {
+        run_version();
+        return std::string();
+    });
+    add_commands(app, arguments);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : exit_usage;
+    }
+    selected_isa();   // an unknown HOODOO_ISA is an error before any work
+    const CLI::App& command = *app.get_subcommands().front();
+    finish_arguments(command, arguments);
+    const std::string& name = command.get_name();
+    if (name == "render") return run_render(arguments.render);
+    if (name == "check") return run_check(arguments.render.scene);
+    if (name == "info") return run_info(arguments.render.scene);
+    if (name == "schema") return run_schema(arguments.section);
+    return run_version();
+}
+
+}  // namespace
+}  // namespace hoodoo::cli
+
+int main(int argc, char** argv)
+{
+    hoodoo::cli::catch_signals();
+    try {
+        return hoodoo::cli::run(argc, argv);
+    } catch (const hoodoo::Error& error) {
+        fmt::print(stderr, "{}\n", error.what());
+        return static_cast<int>(error.kind());
+    } catch (const std::bad_alloc&) {
+        std::fputs("hoodoo: there is not enough memory\n", stderr);
+        return static_cast<int>(hoodoo::ErrorKind::memory);
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "hoodoo: internal error: {}\n", error.what());
+        return static_cast<int>(hoodoo::ErrorKind::internal);
+    }
+}

@@ -1,0 +1,69 @@
+// The parts of the command line: what was asked, the commands, progress, signals.
+#pragma once
+
+#include "renderer/render.h"
+
+#include <chrono>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace hoodoo::cli {
+
+/// Exit codes: 0, those of ErrorKind, and 128 + the signal's number.
+constexpr int exit_usage = 2;
+
+/// What all commands that read a scene may say.
+struct SceneArguments {
+    std::string scene;
+    SceneOverrides overrides;
+    std::string colorconfig;
+    int threads = 0;
+    bool quiet = false;
+};
+
+struct RenderArguments {
+    SceneArguments scene;
+    std::vector<std::string> outputs;
+    RenderOptions options;
+    bool dry_run = false;
+};
+
+/// Each returns the exit code and throws what it cannot do.
+int run_render(const RenderArguments& arguments);
+int run_check(const SceneArguments& arguments);
+int run_info(const SceneArguments& arguments);
+int run_schema(const std::string& section);
+int run_version();
+
+/// A bar with the time left on a terminal; elsewhere a plain line for each tenth. On stderr: stdout is for data.
+class Progress {
+public:
+    explicit Progress(bool quiet);
+    ~Progress();
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+
+    /// From any thread. A new `what` starts the clock anew.
+    void update(double fraction, const std::string& what);
+    /// Ends the line of the bar, so that other text may follow.
+    void finish();
+
+private:
+    void draw(double fraction, double seconds) const;
+
+    std::mutex mutex_;
+    bool quiet_, terminal_;
+    bool drawn_ = false;
+    std::string what_;
+    int shown_ = -1;   ///< tenths, or hundredths on a terminal
+    std::chrono::steady_clock::time_point start_, last_;
+};
+
+/// SIGINT and SIGTERM. Before guard_render() a signal ends the program at once: nothing is being written then. After it, it sets the flag.
+void catch_signals();
+const std::atomic<bool>* guard_render();
+/// 128 + the number of the signal that came, or 0.
+int signal_exit_code();
+
+}  // namespace hoodoo::cli

@@ -1,0 +1,199 @@
+// What the commands of the command line do. Data goes to stdout, everything said about the work to stderr.
+#include "renderer/hosts/cli.h"
+
+#include "renderer/build_info.h"
+#include "renderer/scene/json_schema.h"
+#include "renderer/scene/sections.h"
+#include "terrain/isa.h"
+#include "terrain/schema_values.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <unistd.h>
+
+namespace hoodoo::cli {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void print(const std::string& text)
+{
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+        throw Error(ErrorKind::file, "cannot write to the standard output");
+}
+
+LoadedScene load(const SceneArguments& arguments, Progress& progress)
+{
+    return load_scene(arguments.scene, false, arguments.overrides, arguments.threads, arguments.colorconfig,
+                      [&](double fraction, const std::string& what) { progress.update(fraction, what); });
+}
+
+/// An hour of work must not end at a folder that is not there.
+void check_output(const std::string& path)
+{
+    const fs::path folder = fs::path(path).parent_path();
+    const std::string named = folder.empty() ? "." : folder.string();
+    std::error_code error;
+    if (!fs::is_directory(named, error)) throw Error(ErrorKind::file, fmt::format("cannot write \"{}\": there is no folder \"{}\"", path, named));
+    if (fs::is_directory(path, error)) throw Error(ErrorKind::file, fmt::format("cannot write \"{}\": it is a folder", path));
+    if (::access(named.c_str(), W_OK) != 0) throw Error(ErrorKind::file, fmt::format("cannot write \"{}\": the folder \"{}\" is not writable", path, named));
+}
+
+/// Size and samples of the picture: the command line's, else the scene's.
+struct PictureSize {
+    std::int64_t width, height, spp;
+};
+
+PictureSize picture_size(const Description& scene, const RenderOptions& options)
+{
+    PictureSize size{options.width.value_or(static_cast<int>(scene.film.integer("width"))), options.height.value_or(static_cast<int>(scene.film.integer("height"))),
+                     options.spp.value_or(static_cast<int>(scene.render.integer("spp")))};
+    if (const std::string what = too_large(size.width, size.height, size.spp); !what.empty()) throw Error(ErrorKind::scene, what);
+    if (options.quick) size = {std::max<std::int64_t>(1, size.width / 4), std::max<std::int64_t>(1, size.height / 4), std::max<std::int64_t>(1, size.spp / 4)};
+    return size;
+}
+
+Json info_json(const LoadedScene& loaded)
+{
+    Json terrains = Json::object();
+    for (const SceneObject& object : loaded.scene->objects()) {
+        const SurfaceInfo& i = object.info;
+        terrains[object.name] = {{"type", object.type},          {"columns", i.columns}, {"layers", i.layers},           {"stack_bytes", i.stack_bytes},
+                                 {"trace_bytes", i.trace_bytes}, {"patches", i.patches}, {"build_seconds", i.build_seconds}};
+    }
+    Json lights = Json::object();
+    for (const DescribedNode& light : loaded.description.lights) lights[light.name] = {{"type", light.type}};
+    const Box3d& box = loaded.scene->bounds();
+    Json bounds = nullptr;
+    if (!box.isEmpty()) bounds = {{box.min.x, box.min.y, box.min.z}, {box.max.x, box.max.y, box.max.z}};
+    return {{"terrain", terrains},
+            {"light", lights},
+            {"materials", loaded.scene->material_names()},
+            {"bounds", bounds},
+            {"build_seconds", loaded.build_seconds},
+            {"scene_hash", fmt::format("{:016x}", loaded.description.hash)}};
+}
+
+/// A small picture first: its time a sample, times the samples of the whole.
+int estimate(const LoadedScene& loaded, const RenderArguments& arguments)
+{
+    const PictureSize size = picture_size(loaded.description, arguments.options);
+    RenderOptions probe = arguments.options;
+    probe.quick = false;
+    probe.progress = {};
+    probe.crop_window.reset();
+    probe.pixel_bounds.reset();
+    probe.replicates = 1;
+    probe.width = static_cast<int>(std::clamp<std::int64_t>(size.width / 8, 1, 128));
+    probe.height = static_cast<int>(std::clamp<std::int64_t>(size.height / 8, 1, 128));
+    probe.spp = 2;
+    const auto start = std::chrono::steady_clock::now();
+    render(loaded, probe);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double samples = static_cast<double>(size.width) * static_cast<double>(size.height) * static_cast<double>(size.spp);
+    std::uint64_t bytes = 0;
+    for (const SceneObject& object : loaded.scene->objects()) bytes += object.info.stack_bytes + object.info.trace_bytes;
+    print(fmt::format("{} x {} pixels, {} samples each: about {:.0f} s, film about {:.0f} MB, terrain {:.0f} MB\n", size.width, size.height, size.spp,
+                      seconds * samples / (2.0 * *probe.width * *probe.height), static_cast<double>(size.width * size.height) * 200e-6,
+                      static_cast<double>(bytes) * 1e-6));
+    return 0;
+}
+
+std::string parameter_line(const Parameter& p)
+{
+    const std::string key = p.type == ParameterType::angle ? fmt::format("{} | {}_deg", p.name, p.name) : p.name;
+    const std::string need = p.required ? " Required." : "";
+    return fmt::format("  {:<28} {}{}\n  {:<28} {}\n", key, p.doc, need, "", expected_text(p));
+}
+
+std::string schema_text(const std::string& title, const Schema& schema)
+{
+    std::string out = fmt::format("[{}] {}\n", title, schema.doc);
+    for (const Parameter& p : schema.parameters) {
+        out += parameter_line(p);
+        for (const Schema& item : p.items) out += "  [[" + p.name + "]] " + (p.discriminator.empty() ? "" : p.discriminator + " = ") + schema_text(item.name, item);
+    }
+    return out;
+}
+
+}  // namespace
+
+int run_render(const RenderArguments& arguments)
+{
+    for (const std::string& output : arguments.outputs) check_output(output);
+    Progress progress(arguments.scene.quiet);
+    const LoadedScene loaded = load(arguments.scene, progress);
+    picture_size(loaded.description, arguments.options);
+    RenderOptions options = arguments.options;
+    options.cancel = guard_render();
+    if (arguments.dry_run) {
+        progress.finish();
+        return estimate(loaded, arguments);
+    }
+    options.progress = [&](double fraction, const std::string& what) { progress.update(fraction, what); };
+    const Image image = render(loaded, options);
+    progress.finish();
+    if (const int code = signal_exit_code()) {
+        if (!arguments.scene.quiet) fmt::print(stderr, "stopped; nothing was written\n");
+        return code;
+    }
+    for (const std::string& output : arguments.outputs) {
+        write_picture(image, output, loaded);
+        if (!arguments.scene.quiet) fmt::print(stderr, "wrote {}\n", output);
+    }
+    return 0;
+}
+
+int run_check(const SceneArguments& arguments)
+{
+    Progress progress(arguments.quiet);
+    const LoadedScene loaded = load(arguments, progress);
+    progress.finish();
+    if (!arguments.quiet)
+        print(fmt::format("{}: all is well ({} terrains, {} materials, {} lights)\n", arguments.scene, loaded.description.terrains.size(),
+                          loaded.description.materials.size(), loaded.description.lights.size()));
+    return 0;
+}
+
+int run_info(const SceneArguments& arguments)
+{
+    Progress progress(arguments.quiet);
+    const LoadedScene loaded = load(arguments, progress);
+    progress.finish();
+    print(info_json(loaded).dump(2) + "\n");
+    return 0;
+}
+
+int run_schema(const std::string& wanted)
+{
+    if (wanted.empty()) {
+        print(scene_json_schema());
+        return 0;
+    }
+    std::vector<std::string> titles;
+    for (const Section& section : scene_sections())
+        for (std::size_t i = 0; i < section.schemas.size(); ++i) {
+            titles.push_back(section.types.empty() ? section.name : section.name + "." + section.types[i]);
+            if (titles.back() != wanted) continue;
+            print(schema_text(wanted, *section.schemas[i]));
+            return 0;
+        }
+    std::string all;
+    for (const std::string& title : titles) all += (all.empty() ? "" : ", ") + title;
+    throw Error(ErrorKind::scene, Problem{{}, fmt::format("there is no section \"{}\"", wanted), "one of " + all, {}, nearest_name(wanted, titles)});
+}
+
+int run_version()
+{
+    std::string text = fmt::format("hoodoo {}\nprocessor: {}\nbuilt for: {}, uses {}\n", version(), processor_name(), baseline_name(), isa_name(selected_isa()));
+    for (const auto& [name, number] : library_versions()) text += fmt::format("{} {}\n", name, number);
+    print(text);
+    return 0;
+}
+
+}  // namespace hoodoo::cli
