@@ -160,6 +160,8 @@ std::vector<Grid> layer_tops(const Values& values, const BuildContext& context, 
         const std::string& name = layers[k].text("name");
         const Grid heights = heights_of(layers[k], plan.images[k], hash_name(context.seed, name.empty() ? fmt::format("layer {}", k) : name), plan, ground);
         const std::string measure = measure_of(layers[k]);
+        // The first layer is the ground itself: what it says below the datum would be lost. A later one may well end below the ground.
+        double lowest = k == 0 && measure == "top" ? *std::min_element(heights.begin(), heights.end()) : datum;
         if (measure == "cut") {
             for (Grid& top : tops) std::transform(top.begin(), top.end(), heights.begin(), top.begin(), [](double a, double b) { return std::min(a, b); });
             std::transform(ground.begin(), ground.end(), heights.begin(), ground.begin(), [](double a, double b) { return std::min(a, b); });
@@ -168,8 +170,9 @@ std::vector<Grid> layer_tops(const Values& values, const BuildContext& context, 
         }
         tops.push_back(ground);
         const auto [low, high] = std::minmax_element(ground.begin(), ground.end());
-        if (!(*low >= datum) || !std::isfinite(*high)) {
-            throw layers[k].problem("material", "heights of a layer", fmt::format("finite heights above the datum of {} m (set `datum` lower)", datum), fmt::format("{} to {} m", *low, *high));
+        lowest = std::min(lowest, *low);
+        if (!(lowest >= datum) || !std::isfinite(*high)) {
+            throw layers[k].problem("material", "heights of a layer", fmt::format("finite heights above the datum of {} m (set `datum` lower)", datum), fmt::format("{} to {} m", lowest, *high));
         }
     }
     return tops;
