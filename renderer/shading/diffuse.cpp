@@ -128,7 +128,8 @@ BsdfValue RoughDiffuse::evaluate(const Vec3d& wo, const Vec3d& wi) const
 {
     const double density = lobe_.density(wi);
     if (density == 0.0) return {};
-    const double mu_i = std::clamp(wi.dot(lobe_.shading()), kSmallestCosine, 1.0), mu_o = std::clamp(wo.dot(lobe_.shading()), kSmallestCosine, 1.0);
+    // The cosine of wi is the one the lobe has given it: its own could be small where the lobe is not, and the model divides by it.
+    const double mu_i = std::clamp(kPi * density, kSmallestCosine, 1.0), mu_o = std::clamp(wo.dot(lobe_.shading()), kSmallestCosine, 1.0);
     return {shape(mu_i, mu_o, wi.dot(wo)) * static_cast<float>(density), density};
 }
 
