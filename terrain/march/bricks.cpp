@@ -120,23 +120,47 @@ struct Slopes {
     void extend(int axis, double v) { lo[axis] = std::min(lo[axis], v), hi[axis] = std::max(hi[axis], v); }
 };
 
-/// Extends by the slopes of the cell between the heights of `range`. `hx`, `hy`: its edges.
-void extend_slopes(const Corners& corners, const Range& range, double hx, double hy, Slopes& slopes)
+/// Reads a profile upwards from a height.
+class Cursor {
+public:
+    Cursor(const Profile& p, double z) : p_(p), k_(static_cast<std::size_t>(std::upper_bound(p.z.begin(), p.z.end(), z) - p.z.begin())) {}
+    double next() const { return k_ < p_.z.size() ? p_.z[k_] : kInfinity; }
+    void pass() { ++k_; }
+    double slope() const { return k_ == 0 || k_ == p_.z.size() ? 0.0 : (p_.f[k_] - p_.f[k_ - 1]) / (p_.z[k_] - p_.z[k_ - 1]); }
+    double at(double z) const
+    {
+        if (k_ == 0) return p_.f.front();
+        if (k_ == p_.z.size()) return p_.f.back();
+        return p_.f[k_ - 1] + (p_.f[k_] - p_.f[k_ - 1]) * ((z - p_.z[k_ - 1]) / (p_.z[k_] - p_.z[k_ - 1]));
+    }
+
+private:
+    const Profile& p_;
+    std::size_t k_;
+};
+
+/// Extends by (b - a) / h over the heights of `range`: extremes are at its ends and at knots.
+void extend_across(const Profile& a, const Profile& b, const Range& range, int axis, double h, Slopes& slopes)
 {
-    const auto across = [&](double z) {
-        const double a = corners[0]->at(z), b = corners[1]->at(z), c = corners[2]->at(z), d = corners[3]->at(z);
-        slopes.extend(0, (b - a) / hx), slopes.extend(0, (d - c) / hx);
-        slopes.extend(1, (c - a) / hy), slopes.extend(1, (d - b) / hy);
-    };
-    across(range.lo), across(range.hi);
-    for (const Profile* p : corners) {
-        auto k = static_cast<std::size_t>(std::upper_bound(p->z.begin(), p->z.end(), range.lo) - p->z.begin());
-        if (k == 0) slopes.extend(2, 0.0);
-        for (;; ++k) {
-            if (k > 0) slopes.extend(2, k < p->z.size() ? (p->f[k] - p->f[k - 1]) / (p->z[k] - p->z[k - 1]) : 0.0);
-            if (k >= p->z.size() || p->z[k] > range.hi) break;
-            across(p->z[k]);
-        }
+    Cursor ca(a, range.lo), cb(b, range.lo);
+    double z = range.lo;
+    for (;;) {
+        slopes.extend(axis, (cb.at(z) - ca.at(z)) / h);
+        if (z >= range.hi) return;
+        z = std::min({ca.next(), cb.next(), range.hi});
+        if (ca.next() == z) ca.pass();
+        if (cb.next() == z) cb.pass();
+    }
+}
+
+/// Extends by the profile's own slopes over the heights of `range`.
+void extend_along(const Profile& p, const Range& range, Slopes& slopes)
+{
+    Cursor c(p, range.lo);
+    slopes.extend(2, c.slope());
+    while (c.next() < range.hi) {
+        c.pass();
+        slopes.extend(2, c.slope());
     }
 }
 
@@ -230,9 +254,15 @@ private:
         }
         if (b.z0 > b.z1) return;
         // The bounds are for the whole box, cells without surface included: a ray crosses them too.
-        for (std::size_t y = b.y0; y < b.y1; ++y)
-            for (std::size_t x = b.x0; x < b.x1; ++x)
-                extend_slopes(corners(x, y), {b.z0, b.z1}, lines_.x[x + 1] - lines_.x[x], lines_.y[y + 1] - lines_.y[y], slopes);
+        const Range height{b.z0, b.z1};
+        for (std::size_t y = b.y0; y <= b.y1; ++y) {
+            for (std::size_t x = b.x0; x <= b.x1; ++x) {
+                const Profile* p = &profiles_[y * lines_.x.size() + x];
+                extend_along(*p, height, slopes);
+                if (x < b.x1) extend_across(p[0], p[1], height, 0, lines_.x[x + 1] - lines_.x[x], slopes);
+                if (y < b.y1) extend_across(p[0], p[lines_.x.size()], height, 1, lines_.y[y + 1] - lines_.y[y], slopes);
+            }
+        }
         for (int k = 0; k < 3; ++k) {
             const double size = std::max(std::abs(slopes.lo[k]), std::abs(slopes.hi[k]));
             b.slope_lo[static_cast<std::size_t>(k)] = outwards(slopes.lo[k], -size);

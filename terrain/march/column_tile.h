@@ -37,21 +37,24 @@ public:
     std::uint64_t memory_bytes() const;
 
 private:
+    struct PlacedRun {
+        std::int32_t bottom, top, column;   ///< column along x
+    };
     struct Window {
         int i0, i1, j0, j1;   ///< inclusive
     };
     std::size_t index(int i, int j) const { return static_cast<std::size_t>(j - from_.y) * stride_ + static_cast<std::size_t>(i - from_.x); }
-    double next_bend(const KernelFrame& frame, const Window& w, double z, bool up) const;
-    Cubic piece(const KernelFrame& frame, const Window& w, const Vec3d& a, const Vec3d& b) const;
-    double thickness(const KernelFrame& frame, std::size_t column, double z) const;
-
+    class Weights;
+    class Bends;
+    void collect_bends(const KernelFrame& frame, const Window& w, double z0, double z1, Bends& bends) const;
+    Cubic piece(const KernelFrame& frame, const Window& w, const Weights& ax, const Weights& bx, const Vec3d& a, const Vec3d& b) const;
     Vec3d confine(const KernelFrame& frame, const Vec3d& p) const;
 
     Vec2i from_, to_;
     std::size_t stride_ = 0;
     std::vector<std::int32_t> base_;       ///< top of the run that begins at the floor; the floor itself if there is none
     std::vector<std::uint32_t> offset_;    ///< of a column's other runs; one more at the end
-    std::vector<Run> runs_;
+    std::vector<PlacedRun> runs_;
 };
 
 }  // namespace hoodoo

@@ -2,9 +2,10 @@
 //
 // A ray meets one brick at a time. In a brick the derivative of f along the ray lies in [m, M], a sum of the brick's gradient bounds: from the
 // air side (f >= 0) the surface is at least f / -m away, from the matter side at least -f / M, and if that divisor is not positive there is none
-// ahead. Steps therefore need no safety floor. Where they become short the ray walks the exact cubic pieces of f up to the
-// next line of the lattice instead, so a root is found as a root of a cubic, a graze is decided by the cubic's coefficients, and every step either
-// passes a line or is longer than a fraction of a cell: the march ends.
+// ahead. Steps therefore need no safety floor. Two points of one side prove that nothing lies between them if the two bounding lines meet
+// before they reach zero. Where steps become short and this proves nothing, the ray walks the exact cubic pieces of f
+// instead, so a root is found as a root of a cubic, a graze is decided by the cubic's coefficients, and every step
+// is longer than a fraction of a cell or passes a crossing: the march ends.
 //
 // Who owns a crossing: the side at both ends of a ray's piece in a brick is decided by one function with the same bits in every brick, at a distance that
 // neighbours compute from the same plane. So a crossing on a shared face is found by one of the two, whatever rounding does.
@@ -23,11 +24,13 @@
 namespace hoodoo {
 namespace {
 
-/// Edge of a brick in cells: smaller ones have tighter slopes, larger ones are fewer.
-constexpr int kBrickEdge = 4;
+/// Edge of a brick in cells: smaller ones have tighter slopes and boxes, larger ones are fewer. Measured at 2, 3, 4 and 6: 2 is 1.2 to 1.6 times as
+/// fast as 4 in twice the memory.
+constexpr int kBrickEdge = 2;
 
-/// Steps shorter than this many cells are not worth their evaluation: a walk over exact pieces costs about as much as three and ends the search.
+/// Steps shorter than this many cells are not worth their evaluation; a look ahead, and a walk over exact pieces if it proves nothing, end the search.
 constexpr double kShortStep = 0.3;
+constexpr double kLookAhead = 0.75;
 
 /// Margin around the grid of a cut block, in cells: half of the kernel must be matter, so the surface never leaves the block's columns.
 constexpr double kCutMargin = 0.5;
@@ -181,15 +184,16 @@ private:
             const auto i = static_cast<std::size_t>(k);
             slack += 0x1p-50 * (std::abs(ray.origin[k]) + end * std::abs(ray.direction[k])) * std::max(std::abs(b.slope_lo[i]), std::abs(b.slope_hi[i]));
         }
-        ++evaluations;
+        evaluations += 2;
         double f = columns.value(frame_, ray.at(t));
+        const double f_end = columns.value(frame_, ray.at(end));
         bool inside = f < 0.0, on_surface = false;
         for (;;) {
-            // One certified step.
-            const double rate = inside ? rise : fall;
+            // How fast |f| may shrink forwards, and backwards from a later point.
+            const double rate = inside ? rise : fall, back = inside ? fall : rise;
             if (rate <= 0.0) return false;
             const double step = std::max(0.0, std::abs(f) - slack) / rate;
-            if (t + step >= end) return false;
+            if (t + step >= end || no_crossing(inside, f, f_end, rate, back, end - t, slack)) return false;
             if (step >= kShortStep * frame_.cell) {
                 t += step;
                 ++evaluations;
@@ -197,29 +201,49 @@ private:
                 continue;
             }
 
-            // The exact pieces up to the next line.
-            const double stop = next_line(ray, t, end);
-            double found = 0.0;
-            if (columns.first_change(frame_, ray, t, stop, {inside, on_surface}, found, f, evaluations)) {
+            // Look a little ahead: both ends together often prove what one cannot.
+            const double ahead = std::min(t + kLookAhead * frame_.cell, end);
+            double f_ahead = f_end;
+            if (ahead < end) {
+                ++evaluations;
+                f_ahead = columns.value(frame_, ray.at(ahead));
+            }
+            if (!on_surface && no_crossing(inside, f, f_ahead, rate, back, ahead - t, slack)) {
+                t = ahead;
+                f = f_ahead;
+                continue;
+            }
+
+            // The exact pieces, from line to line.
+            while (t < ahead) {
+                const double stop = next_line(ray, t, ahead);
+                double found = 0.0;
+                if (!columns.first_change(frame_, ray, t, stop, {inside, on_surface}, found, f, evaluations)) {
+                    t = stop;
+                    on_surface = false;
+                    continue;
+                }
                 if (accept(inside, entering, found, world_ray, t_limit, t_hit)) return true;
                 // Go on behind the crossing, on its other side.
                 t = found;
                 f = 0.0;
                 inside = !inside;
                 on_surface = true;
-                if (t >= end) return false;
-                continue;
+                break;
             }
-            t = stop;
-            on_surface = false;
             if (t < end) continue;
-
-            // The brick's own end: let the common function decide the side.
-            if (std::abs(f) > 2.0 * slack) return false;
-            ++evaluations;
-            if ((columns.value(frame_, ray.at(end)) < 0.0) == inside) return false;
-            return accept(inside, entering, end, world_ray, t_limit, t_hit);
+            // At the brick's own end the common function decides the side.
+            return (f_end < 0.0) != inside && accept(inside, entering, end, world_ray, t_limit, t_hit);
         }
+    }
+
+    /// Whether f, of one sign at both ends of a piece of this length, is proved to keep it: it shrinks at most at `rate` from the near end and
+    /// at `back` from the far one, and those two lines meet above the slack.
+    static bool no_crossing(bool inside, double near, double far, double rate, double back, double length, double slack)
+    {
+        if ((far < 0.0) != inside) return false;
+        const double a = std::abs(near) - slack, b = std::abs(far) - slack;
+        return a > 0.0 && b > 0.0 && (back <= 0.0 || a * back + b * rate > rate * back * length);
     }
 
     static bool accept(bool inside, bool entering, double t, const Ray& ray, double t_limit, double& t_hit)

@@ -5,6 +5,8 @@
 #include "terrain/math/hash.h"
 #include "terrain/math/noise.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -108,7 +110,7 @@ private:
 
     TerrainRecipe r_;
     std::vector<Tunnel> tunnels_;
-    std::vector<const Tunnel*> near_;
+    std::vector<const Tunnel*> near_;   ///< set anew by prepare(), so a copy may begin with any
 };
 
 std::vector<Layer> make_column(Recipe& recipe, double relief, double x, double y)
@@ -231,11 +233,12 @@ BenchTerrain bench_terrain(bool rugged, Vec2i size)
 std::shared_ptr<MaterialStack> make_terrain(const TerrainRecipe& r)
 {
     auto stack = std::make_shared<MaterialStack>(r.size, r.cell, r.cell / kUnitsPerCell, r.origin);
-    Recipe recipe(r);
-    std::vector<std::vector<Layer>> columns;
-    columns.reserve(static_cast<std::size_t>(r.size.x) * static_cast<std::size_t>(r.size.y));
-    for (int j = 0; j < r.size.y; ++j)
-        for (int i = 0; i < r.size.x; ++i) columns.push_back(make_column(recipe, r.relief, i + 0.5, j + 0.5));
+    const Recipe recipe(r);
+    std::vector<std::vector<Layer>> columns(static_cast<std::size_t>(r.size.x) * static_cast<std::size_t>(r.size.y));
+    tbb::parallel_for(0, r.size.y, [&](int j) {
+        Recipe mine(recipe);
+        for (int i = 0; i < r.size.x; ++i) columns[static_cast<std::size_t>(j) * static_cast<std::size_t>(r.size.x) + static_cast<std::size_t>(i)] = make_column(mine, r.relief, i + 0.5, j + 0.5);
+    });
     stack->set_columns({0, 0}, r.size, columns);
     return stack;
 }
