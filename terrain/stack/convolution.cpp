@@ -7,6 +7,8 @@
 // differences bound it; likewise y and z. Missing: nothing of 3.3; its polygonisation is not needed.
 #include "terrain/stack/convolution.h"
 
+#include "terrain/stack/window.h"
+
 #include "terrain/error.h"
 
 #include <fmt/format.h>
@@ -21,29 +23,6 @@ namespace {
 constexpr double kRounding = 1e-12;
 /// Beyond this many columns a box is bounded by the kernel alone.
 constexpr double kMaxColumns = 4096.0;
-
-/// The window of one horizontal axis, in cells: columns first..last overlap [low, high].
-struct Window {
-    double low, high;
-    int first, last;
-    double weight(int i) const { return std::min(high, i + 1.0) - std::max(low, static_cast<double>(i)); }
-};
-
-/// `u` in cells. Positions beyond the grid by more than the kernel all see the same columns, so they may be moved to it: no overflow, no NaN.
-double confined(double u, double half, int n)
-{
-    const double low = -half - 2.0, high = n + half + 2.0;
-    return !(u > low) ? low : (u < high ? u : high);
-}
-
-Window window(double u, double half, int n)
-{
-    u = confined(u, half, n);
-    Window w{u - half, u + half, 0, 0};
-    w.first = static_cast<int>(std::floor(w.low));
-    w.last = static_cast<int>(std::floor(w.high));
-    return w;
-}
 
 /// Extreme directional derivatives and values over a box.
 struct Local {
@@ -221,7 +200,11 @@ Vec3d ConvolutionField::smoothed_gradient(const Vec3d& p, double width) const
         offset[axis] = width;
         g[axis] = (value(p + offset) - value(p - offset)) / (2.0 * width);
     }
-    if (g.length() >= 1e-3 / sigma_) return g;
+    return g.length() >= 1e-3 / sigma_ ? g : towards_nearest_interface(p);
+}
+
+Vec3d ConvolutionField::towards_nearest_interface(const Vec3d& p) const
+{
     // A sheet as thin as the kernel: look along the column for the nearest side of matter.
     const MaterialStack& stack = ground_.stack();
     const double z = (p.z - stack.origin().z) / stack.unit();

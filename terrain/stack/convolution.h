@@ -21,11 +21,21 @@ public:
     const Ground& ground() const { return ground_; }
     double sigma() const { return sigma_; }
 
+    /// What shading needs at one point: value, gradient and smoothed gradient.
+    struct Neighbourhood {
+        double value;
+        Vec3d gradient, smoothed;
+    };
+    /// The three functions at `p` in one walk over the columns: the same numbers up to rounding, several times faster.
+    Neighbourhood neighbourhood(const Vec3d& p, double width) const;
+
     /// Central differences with half-width `width`: the exact gradient averaged over a segment of 2 width along each axis, so continuous.
     /// Where its length is under 1e-3 / sigma it is replaced by the direction to the nearest interface of the column (maths A4). Not normalised.
     Vec3d smoothed_gradient(const Vec3d& p, double width) const;
 
 private:
+    Vec3d towards_nearest_interface(const Vec3d& p) const;
+
     Ground ground_;
     double sigma_;
 };

@@ -4,6 +4,10 @@
 // Deviation: tops, undersides and sides count alike (the paper does not say). Exact: sorted lists of layers are walked side by side.
 #include "terrain/stack/visible.h"
 
+#include "terrain/stack/window.h"
+
+#include <bit>
+
 namespace hoodoo {
 
 namespace {
@@ -50,20 +54,6 @@ private:
     Material material_ = Material::air;
     double top_ = floor_;
 };
-
-struct Axis {
-    double low, high;   ///< cells
-    int first, last;
-    double weight(int i) const { return std::min(high, i + 1.0) - std::max(low, static_cast<double>(i)); }
-};
-
-Axis axis(double centre, double half, int n)
-{
-    // Far beyond the grid nothing changes any more.
-    const double edge = half + 2.0;
-    centre = !(centre > -edge) ? -edge : std::min(centre, n + edge);
-    return {centre - half, centre + half, static_cast<int>(std::floor(centre - half)), static_cast<int>(std::floor(centre + half))};
-}
 
 class Areas {
 public:
@@ -112,7 +102,7 @@ std::array<double, kMaterialCount> visible_areas(const Ground& ground, MaterialS
 {
     const MaterialStack& stack = ground.stack();
     const double s = stack.cell(), half = sigma / s;
-    const Axis x = axis((p.x - stack.origin().x) / s, half, stack.size().x), y = axis((p.y - stack.origin().y) / s, half, stack.size().y);
+    const Window x = window((p.x - stack.origin().x) / s, half, stack.size().x), y = window((p.y - stack.origin().y) / s, half, stack.size().y);
     const double z = (p.z - stack.origin().z) / stack.unit(), tall = sigma / stack.unit();
     Areas areas(ground, opaque, z - tall, z + tall);
     for (int j = y.first; j <= y.last; ++j) {
@@ -123,6 +113,31 @@ std::array<double, kMaterialCount> visible_areas(const Ground& ground, MaterialS
         for (int j = y.first; j < y.last; ++j) areas.add_vertical(i, j, i, j + 1, x.weight(i) * s * stack.unit());
     }
     return areas.sums;
+}
+
+std::optional<Material> only_visible(const Ground& ground, MaterialSet opaque, double sigma, const Vec3d& p)
+{
+    const MaterialStack& stack = ground.stack();
+    const double s = stack.cell(), half = sigma / s, low = (p.z - stack.origin().z - sigma) / stack.unit(), high = (p.z - stack.origin().z + sigma) / stack.unit();
+    const Window x = window((p.x - stack.origin().x) / s, half, stack.size().x), y = window((p.y - stack.origin().y) / s, half, stack.size().y);
+    MaterialSet seen = 0;
+    for (int j = y.first; j <= y.last; ++j) {
+        for (int i = x.first; i <= x.last; ++i) {
+            const Vec2i n = stack.size();
+            if (ground.border() == Border::cut && (i < 0 || j < 0 || i >= n.x || j >= n.y)) continue;
+            double from = 0.0;
+            if (low < 0.0) seen |= material_set({Material::bedrock});
+            for (const std::uint16_t word : stack.words(std::clamp(i, 0, n.x - 1), std::clamp(j, 0, n.y - 1))) {
+                if (from >= high) break;
+                const double to = MaterialStack::top_of(word);
+                if (to > low) seen |= material_set({MaterialStack::material_of(word)});
+                from = to;
+            }
+        }
+    }
+    seen &= opaque;
+    if (seen == 0 || (seen & (seen - 1)) != 0) return std::nullopt;
+    return static_cast<Material>(std::countr_zero(seen));
 }
 
 }  // namespace hoodoo

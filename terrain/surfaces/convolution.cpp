@@ -82,8 +82,9 @@ public:
         at.t = refined.t;
         at.position = ray.at(refined.t);
         at.position_error = refined.error;
-        const Vec3d smooth = body.field->smoothed_gradient(at.position, normal_width_);
-        at.geometric_normal = body.field->gradient(at.position);
+        const ConvolutionField::Neighbourhood around = body.field->neighbourhood(at.position, normal_width_);
+        const Vec3d smooth = around.smoothed;
+        at.geometric_normal = around.gradient;
         if (!(at.geometric_normal.length() > 1e-9 / body.field->sigma())) at.geometric_normal = smooth;
         at.geometric_normal.normalize();
         at.shading_normal = into_hemisphere(smooth.normalized(), at.geometric_normal);
@@ -150,6 +151,10 @@ private:
 
     void add_materials(const Body& body, Interaction& at) const
     {
+        if (const std::optional<Material> only = only_visible(body.field->ground(), body.set, body.field->sigma(), at.position)) {
+            at.materials.add(index_of_[static_cast<std::size_t>(*only)], 1.0f);
+            return;
+        }
         const auto areas = visible_areas(body.field->ground(), body.set, body.field->sigma(), at.position);
         double sum = 0.0;
         for (const double area : areas) sum += area;

@@ -27,7 +27,7 @@ Refined refine_crossing(const Field& field, const Ray& ray, double t, double val
     }
     if (!crosses()) return {t, most + rounding};
     int side = 0;
-    const double enough = std::max(rounding, 4e-9 * scale);   // well below what a later ray can see
+    const double enough = std::max(rounding, 2e-7 * scale);   // far below what a picture or a later ray can see
     for (int step = 0; step < 100 && b - a > enough; ++step) {
         // The secant's point, kept off the ends; every third step halves, which bounds the number of steps.
         double m = step % 3 == 2 ? 0.5 * (a + b) : (a * fb - b * fa) / (fb - fa);

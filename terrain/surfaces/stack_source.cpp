@@ -204,7 +204,7 @@ std::vector<Parameter> stack_parameters()
     return {
         {.name = "columns", .type = ParameterType::vector, .doc = "Columns along x and y; by default those of the first image.", .minimum = 1, .maximum = 1048576, .min_count = 2, .max_count = 2},
         {.name = "cell", .type = ParameterType::length, .doc = "Width of a column; by default what the first image says.", .unit = "m", .minimum = 0, .above_minimum = true},
-        {.name = "unit", .type = ParameterType::length, .doc = "Step of heights; by default an 8000th of the highest ground above the datum.", .unit = "m", .minimum = 0, .above_minimum = true},
+        {.name = "unit", .type = ParameterType::length, .doc = "Step of heights; by default the finest whole fraction of a cell with which the highest ground fits into 8191 steps.", .unit = "m", .minimum = 0, .above_minimum = true},
         {.name = "origin", .type = ParameterType::vector, .doc = "Where the south-west corner of the grid lies; its z is added to all heights.", .fallback = std::vector<double>{0, 0, 0},
          .unit = "m", .min_count = 3, .max_count = 3},
         {.name = "datum", .type = ParameterType::length, .doc = "Lowest height that can be told; below it there is bedrock.", .fallback = 0.0, .unit = "m"},
@@ -213,13 +213,21 @@ std::vector<Parameter> stack_parameters()
     };
 }
 
+/// The finest step that reaches the highest ground. A whole fraction of the cell where it can be: then the kernel is a whole number of steps high,
+/// and the field takes integer values that the exact intersector stores without loss in a third of the space.
+double default_unit(double highest, double cell)
+{
+    const double steps = std::floor(MaterialStack::max_top * cell / std::max(highest, 1e-3 * cell));
+    return steps >= 1.0 ? cell / std::min(steps, 1024.0) : highest / MaterialStack::max_top;
+}
+
 std::shared_ptr<MaterialStack> make_stack(const Values& values, const BuildContext& context)
 {
     const Plan plan = make_plan(values, context);
     const double datum = values.number("datum");
     const std::vector<Grid> tops = layer_tops(values, context, plan, datum);
     const double highest = *std::max_element(tops.back().begin(), tops.back().end()) - datum;
-    const double unit = values.has("unit") ? values.number("unit") : std::max(highest, 1e-3 * plan.cell) / 8000.0;
+    const double unit = values.has("unit") ? values.number("unit") : default_unit(highest, plan.cell);
     if (!(highest / unit < MaterialStack::max_top + 0.5)) {
         throw values.problem("unit", "the ground is too high for this unit", fmt::format("at least {:.6g} m", highest / MaterialStack::max_top), fmt::format("{} m", unit));
     }
