@@ -58,7 +58,7 @@ private:
         std::vector<Spectrum> ground;    ///< irradiance of the ground
     };
 
-    Spectrum extinction(const AirColumns& densities) const;            ///< 1/m; of columns: optical depth
+    Spectrum extinction(const AirColumns& densities, double forward) const;   ///< 1/m; of columns: optical depth
     AirColumns columns_to_space(double radius, double sine) const;     ///< from the table
     Spectrum sun_at(double radius, double sine) const;                 ///< transmittance towards the sun, 0 in the planet's shadow
     Spectrum first_order(const Vec3d& p, double radius, const Vec3d& w, const AirColumns& here, bool ground) const;
@@ -72,6 +72,8 @@ private:
     AtmosphereParameters parameters_;
     AirCoefficients coefficients_;
     Vec3d sun_;                                     ///< in the frame of radiance()
+    double sun_elevation_ = 0.0;                    ///< radians
+    double forward_ = 0.0;                          ///< share of haze's scattering that leaves diffuse light its direction
     std::vector<AirColumns> columns_;
     Field scattered_;                               ///< all orders from the first
 };
