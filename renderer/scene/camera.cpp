@@ -82,13 +82,15 @@ Ray Camera::ray(const Vec2d& film, const Vec2i& size, double time) const
     return ray;
 }
 
-Imath::M44f Camera::world_to_camera() const
+Imath::M44d Camera::view_matrix() const
 {
     Imath::M44d m;
     for (int k = 0; k < 3; ++k) m[k][0] = right_[k], m[k][1] = up_[k], m[k][2] = forward_[k];
     m[3][0] = -eye_.dot(right_), m[3][1] = -eye_.dot(up_), m[3][2] = -eye_.dot(forward_);
-    return Imath::M44f(m);
+    return m;
 }
+
+Imath::M44f Camera::world_to_camera() const { return Imath::M44f(view_matrix()); }
 
 Imath::M44f Camera::world_to_ndc(const Vec2i& size) const
 {
@@ -100,7 +102,7 @@ Imath::M44f Camera::world_to_ndc(const Vec2i& size) const
     p[1][1] = -0.5 / extent.y;
     p[2][0] = 0.5, p[2][1] = 0.5, p[2][2] = 1.0, p[2][3] = 1.0;
     p[3][2] = -1.0, p[3][3] = 0.0;
-    return Imath::M44f(Imath::M44d(world_to_camera()) * p);
+    return Imath::M44f(view_matrix() * p);
 }
 
 }  // namespace hoodoo

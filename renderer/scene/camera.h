@@ -41,6 +41,7 @@ public:
 
 private:
     void look(const Vec3d& target, const Vec3d& up);
+    Imath::M44d view_matrix() const;
     Vec2d half_extent(const Vec2i& size) const;   ///< tangents of half the field of view, horizontal and vertical
 
     Vec3d eye_{0.0}, right_{1, 0, 0}, up_{0, 0, 1}, forward_{0, 1, 0};

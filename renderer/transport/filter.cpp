@@ -1,6 +1,6 @@
 // Filter importance sampling (Ernst2006): the offset of a camera ray is drawn with the filter as density, so that all weights are one.
 //
-// The filters are products of two equal 1-D functions; each is tabulated as a density that is constant on 1024 cells and inverted exactly:
+// The filters are products of two equal 1-D functions; each is tabulated by 1024 cells of equal mass on which the density is constant:
 //     box 1;   Gaussian exp(-x^2 / (2 s^2)), s = width / 6, so that 3 pixels give s = 0.5;   Blackman-Harris: four cosines (Harris1978).
 // Filters with negative lobes would need signed weights and are left out.
 
@@ -44,26 +44,32 @@ Filter::Filter(const std::string& kind, double width) : width_(width == 0.0 ? de
     default_width(kind);
     if (!(width_ > 0.0) || !std::isfinite(width_))
         throw Error(ErrorKind::scene, Problem{{}, "the width of the pixel filter is out of range", "a positive number of pixels", std::to_string(width), {}});
-    cumulative_.resize(kCells + 1);
-    for (std::size_t i = 0; i < kCells; ++i)
-        cumulative_[i + 1] = cumulative_[i] + shape(kind, (static_cast<double>(i) + 0.5) / kCells - 0.5);
-    for (double& c : cumulative_) c /= cumulative_.back();
+
+    // Cumulative sums over fine steps, then the places where they pass each share.
+    constexpr std::size_t steps = 16 * kCells;
+    std::vector<double> cumulative(steps + 1, 0.0);
+    for (std::size_t i = 0; i < steps; ++i) cumulative[i + 1] = cumulative[i] + shape(kind, (static_cast<double>(i) + 0.5) / steps - 0.5);
+    quantiles_.resize(kCells + 1);
+    for (std::size_t i = 0, step = 0; i <= kCells; ++i) {
+        const double target = cumulative.back() * static_cast<double>(i) / kCells;
+        while (step + 1 < steps && cumulative[step + 1] < target) ++step;
+        const double share = std::clamp((target - cumulative[step]) / (cumulative[step + 1] - cumulative[step]), 0.0, 1.0);
+        quantiles_[i] = width_ * ((static_cast<double>(step) + share) / steps - 0.5);
+    }
 }
 
 double Filter::offset(double u) const
 {
-    const auto above = std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, u);
-    const double hi = *above, lo = *(above - 1);
-    const double cell = static_cast<double>(above - cumulative_.begin() - 1) + std::clamp((u - lo) / (hi - lo), 0.0, 1.0);
-    return width_ * (cell / kCells - 0.5);
+    const double x = u * kCells;
+    const std::size_t cell = std::min(static_cast<std::size_t>(x), kCells - 1);
+    return quantiles_[cell] + (quantiles_[cell + 1] - quantiles_[cell]) * (x - static_cast<double>(cell));
 }
 
 double Filter::density(double x) const
 {
-    const double cell = (x / width_ + 0.5) * kCells;
-    if (!(cell >= 0.0 && cell < static_cast<double>(kCells))) return 0.0;
-    const auto i = static_cast<std::size_t>(cell);
-    return (cumulative_[i + 1] - cumulative_[i]) * kCells / width_;
+    if (!(x >= quantiles_.front() && x < quantiles_.back())) return 0.0;
+    const auto above = std::upper_bound(quantiles_.begin(), quantiles_.end(), x);
+    return 1.0 / (kCells * (*above - *(above - 1)));
 }
 
 }  // namespace hoodoo

@@ -28,7 +28,7 @@ private:
     double offset(double u) const;
 
     double width_;
-    std::vector<double> cumulative_;   ///< at equal steps from -width / 2 to width / 2; the density is constant between
+    std::vector<double> quantiles_;    ///< offsets in pixels of equal shares of the filter; the density is constant between
 };
 
 }  // namespace hoodoo

@@ -84,11 +84,13 @@ constexpr std::uint32_t scramble_reversed(std::uint32_t x, std::uint32_t seed)
     return x;
 }
 
+constexpr std::uint32_t scrambled(std::uint32_t fraction, std::uint32_t seed) { return reverse_bits(scramble_reversed(reverse_bits(fraction), seed)); }
+
 }  // namespace
 
 std::uint32_t sobol_bits(std::uint32_t index, unsigned dimension) { return multiply(make_matrix(dimension), index); }
 
-std::uint32_t owen_scramble(std::uint32_t fraction, std::uint32_t seed) { return reverse_bits(scramble_reversed(reverse_bits(fraction), seed)); }
+std::uint32_t owen_scramble(std::uint32_t fraction, std::uint32_t seed) { return scrambled(fraction, seed); }
 
 std::array<double, Sampler::set_size> Sampler::get(std::uint32_t set) const
 {
@@ -105,7 +107,7 @@ std::array<double, Sampler::set_size> Sampler::get(std::uint32_t set) const
     const std::array<std::uint32_t, set_size> seeds{static_cast<std::uint32_t>(a >> 32), static_cast<std::uint32_t>(b), static_cast<std::uint32_t>(b >> 32),
                                                     static_cast<std::uint32_t>(c)};
     std::array<double, set_size> u;
-    for (unsigned d = 0; d < set_size; ++d) u[d] = owen_scramble(x[d], seeds[d]) * 0x1p-32;
+    for (unsigned d = 0; d < set_size; ++d) u[d] = scrambled(x[d], seeds[d]) * 0x1p-32;
     return u;
 }
 
