@@ -194,15 +194,17 @@ private:
             if (rate <= 0.0) return false;
             const double step = std::max(0.0, std::abs(f) - slack) / rate;
             if (t + step >= end || no_crossing(inside, f, f_end, rate, back, end - t, slack)) return false;
+            // Each turn moves on by at least one unit in the last place, however far away the ray began.
+            const double least = std::nextafter(t, kInfinity);
             if (step >= kShortStep * frame_.cell) {
-                t += step;
+                t = std::max(t + step, least);
                 ++evaluations;
                 f = columns.value(frame_, ray.at(t));
                 continue;
             }
 
             // Look a little ahead: both ends together often prove what one cannot.
-            const double ahead = std::min(t + kLookAhead * frame_.cell, end);
+            const double ahead = std::min(std::max(t + kLookAhead * frame_.cell, least), end);
             double f_ahead = f_end;
             if (ahead < end) {
                 ++evaluations;
@@ -225,7 +227,7 @@ private:
                 }
                 if (accept(inside, entering, found, world_ray, t_limit, t_hit)) return true;
                 // Go on behind the crossing, on its other side.
-                t = found;
+                t = std::max(found, least);
                 f = 0.0;
                 inside = !inside;
                 on_surface = true;

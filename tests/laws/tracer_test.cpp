@@ -52,6 +52,14 @@ Ray hostile_ray(std::uint64_t n)
     ray.t_min = n % 4 == 0 ? 0.0 : raw ? bits() : special();
     ray.t_max = n % 4 == 0 ? kInfinity : raw ? bits() : special();
     ray.time = n % 7 == 0 ? special() : 0.0;
+    // From ever farther away towards the terrains, which all lie near the origin: until a step along the ray is less than its rounding.
+    if (n % 11 == 0) {
+        const Vec3d target(7.0 * unit_real(mix64(h + 1)), 6.0 * unit_real(mix64(h + 2)), 5.0 * unit_real(mix64(h + 3)));
+        const double z = 2.0 * unit_real(mix64(h + 4)) - 1.0, phi = 6.28 * unit_real(mix64(h + 5)), r = std::sqrt(1.0 - z * z);
+        ray.direction = Vec3d(r * std::cos(phi), r * std::sin(phi), z);
+        ray.origin = target - ray.direction * std::pow(10.0, 18.0 * unit_real(mix64(h + 6)));
+        ray.t_min = 0.0, ray.t_max = kInfinity, ray.time = 0.0;
+    }
     return ray;
 }
 
