@@ -68,7 +68,7 @@ public:
     bool intersect(PatchId patch, const Ray& ray, Hit& hit) const override
     {
         double t = 0.0;
-        if (!march(patch, ray, hit.t, t, hit.evaluations)) return false;
+        if (!march(patch, ray, hit.t, false, t, hit.evaluations)) return false;
         hit.t = t;
         hit.patch = patch;
         return true;
@@ -78,7 +78,7 @@ public:
     {
         double t = 0.0;
         std::uint32_t evaluations = 0;
-        return march(patch, ray, ray.t_max, t, evaluations);
+        return march(patch, ray, ray.t_max, true, t, evaluations);
     }
 
     double value_error() const override
@@ -159,7 +159,8 @@ private:
         return next;
     }
 
-    bool march(PatchId patch, const Ray& world_ray, double t_limit, double& t_hit, std::uint32_t& evaluations) const
+    /// The first crossing in a brick before t_limit; with `any_hit`, only whether there is one.
+    bool march(PatchId patch, const Ray& world_ray, double t_limit, bool any_hit, double& t_hit, std::uint32_t& evaluations) const
     {
         const Tile& tile = tiles_[patch.tile];
         const Brick& b = tile.bricks[patch.index];
@@ -188,7 +189,10 @@ private:
         double f = columns.value(frame_, ray.at(t));
         const double f_end = columns.value(frame_, ray.at(end));
         bool inside = f < 0.0, on_surface = false;
+        // Whoever asks only whether there is a crossing need not know where.
+        const auto certain = [&](double later) { return any_hit && !(entering && inside) && (inside ? f < -slack && later > slack : f > slack && later < -slack); };
         for (;;) {
+            if (certain(f_end)) return true;
             // How fast |f| may shrink forwards, and backwards from a later point.
             const double rate = inside ? rise : fall, back = inside ? fall : rise;
             if (rate <= 0.0) return false;
@@ -210,6 +214,7 @@ private:
                 ++evaluations;
                 f_ahead = columns.value(frame_, ray.at(ahead));
             }
+            if (certain(f_ahead)) return true;
             if (!on_surface && no_crossing(inside, f, f_ahead, rate, back, ahead - t, slack)) {
                 t = ahead;
                 f = f_ahead;
