@@ -48,7 +48,7 @@ bool is_scene_text(const std::string& given)
 SceneHandle load(const py::object& source, const py::dict& overrides, std::optional<std::uint64_t> seed, int threads)
 {
     const bool is_path = py::hasattr(source, "__fspath__");
-    const std::string given = is_path ? py::str(source.attr("__fspath__")()) : source.cast<std::string>();
+    const std::string given = is_path ? py::str(source.attr("__fspath__")()).cast<std::string>() : source.cast<std::string>();
     SceneOverrides all = overrides_from(overrides);
     all.seed = seed;
     py::gil_scoped_release free;
@@ -120,7 +120,7 @@ py::dict metadata_of(const ImageHandle& self)
 
 void write_image(const ImageHandle& self, const py::object& path)
 {
-    const std::string name = py::hasattr(path, "__fspath__") ? py::str(path.attr("__fspath__")()) : path.cast<std::string>();
+    const std::string name = py::hasattr(path, "__fspath__") ? py::str(path.attr("__fspath__")()).cast<std::string>() : path.cast<std::string>();
     py::gil_scoped_release free;
     write_picture(*self.image, name, *self.loaded);
 }

@@ -45,8 +45,8 @@ struct Sum {
     /// Adds noise of amplitude `a` and the given wavelength; `slope` is how much of it is relief (0: colour only).
     void add(std::uint64_t seed, const Vec3d& p, double wavelength, double a, double slope, double footprint)
     {
-        // Mean square of the gradient of our noise per unit amplitude and wavelength: measured 1.05 over 1e6 points.
-        constexpr double slope_power = 1.05;
+        // Mean square of the gradient of our noise per unit amplitude and wavelength: measured 0.745 over 1e6 points.
+        constexpr double slope_power = 0.745;
         const double kept = kept_share(wavelength, footprint);
         const double steepness = slope / wavelength;
         lost += (1.0 - kept * kept) * steepness * steepness * slope_power;
@@ -134,16 +134,16 @@ Pattern bedrock(const Palette& colors, std::uint64_t seed, const Interaction& at
             Sum streaks;
             streaks.add(seed ^ 12, Vec3d(p.x, p.y, p.z * 0.09), 1.9, 0.9, 0.0, footprint);
             streaks.add(seed ^ 13, Vec3d(p.x, p.y, p.z * 0.07), 0.53, 0.5, 0.0, footprint);
-            cover += kept * (smooth_step(-0.05, 0.75, streaks.value + 0.9 * mottle.value - 0.25 * member.tone) - cover);
+            cover += kept * (smooth_step(-0.02, 0.42, streaks.value + 0.9 * mottle.value - 0.15 * member.tone) - cover);
         }
         color = mix(color, colors[4], 0.72 * wall * cover);
     }
-    color = mix(color, colors[3], 0.35 * smooth_step(0.75, 0.98, at.shading_normal.z));
+    color = mix(color, colors[3], 0.2 * smooth_step(0.75, 0.98, at.shading_normal.z));
 
     // Relief: hard beds stand out by a few centimetres, and the face is rough.
     Pattern result;
     result.albedo = color;
-    const double ledges = std::clamp(0.5 * member.slope + 0.16 * bed.slope + 0.03 * lamina.slope, -1.2, 1.2);
+    const double ledges = std::clamp(0.5 * member.slope + 0.16 * bed.slope + 0.03 * lamina.slope, -0.8, 0.8);
     result.relief = mottle.gradient + dip * (ledges * steep);
     result.lost_variance = mottle.lost;
     return result;
@@ -184,14 +184,14 @@ Pattern sand(const Palette& colors, std::uint64_t seed, const Interaction& at, d
 {
     const Vec3d& p = at.texture_point;
     Sum tint;
-    tint.add(seed ^ 1, p, 83.0, 0.9, 0.0, footprint);
-    tint.add(seed ^ 2, p, 27.0, 0.7, 0.0, footprint);
-    tint.add(seed ^ 3, p, 7.7, 0.5, 0.35, footprint);
+    tint.add(seed ^ 1, p, 83.0, 1.3, 0.0, footprint);
+    tint.add(seed ^ 2, p, 27.0, 1.1, 0.0, footprint);
+    tint.add(seed ^ 3, p, 7.7, 0.8, 0.5, footprint);
     tint.add(seed ^ 4, p, 0.19, 0.3, 0.006, footprint);
 
     // Ripples die out on slopes near repose and in patches.
     const double lie = smooth_step(0.75, 0.95, at.shading_normal.z) * (0.65 + 0.5 * tint.value);
-    const Ripples large = ripples(seed ^ 5, p, 3.7, 0.10 * lie, 0.7, footprint);
+    const Ripples large = ripples(seed ^ 5, p, 3.7, 0.14 * lie, 0.7, footprint);
     const Ripples small = ripples(seed ^ 6, p, 0.43, 0.20 * lie, 0.45, footprint);
 
     Pattern result;
@@ -249,8 +249,8 @@ Pattern soil(const Palette& colors, std::uint64_t seed, const Interaction& at, d
 constexpr std::size_t kProcedures = 5;
 const std::array<Palette, kProcedures> kPalettes = {{
     {Vec3f(0.5f), Vec3f(0.5f), Vec3f(0.5f), Vec3f(0.5f), Vec3f(0.5f)},
-    {Vec3f(0.52f, 0.385f, 0.245f), Vec3f(0.60f, 0.475f, 0.33f), Vec3f(0.44f, 0.295f, 0.17f), Vec3f(0.5f), Vec3f(0.5f)},
-    {Vec3f(0.275f, 0.115f, 0.062f), Vec3f(0.43f, 0.205f, 0.108f), Vec3f(0.54f, 0.325f, 0.165f), Vec3f(0.64f, 0.50f, 0.345f), Vec3f(0.105f, 0.064f, 0.046f)},
+    {Vec3f(0.46f, 0.315f, 0.185f), Vec3f(0.56f, 0.425f, 0.28f), Vec3f(0.37f, 0.215f, 0.112f), Vec3f(0.5f), Vec3f(0.5f)},
+    {Vec3f(0.275f, 0.115f, 0.062f), Vec3f(0.43f, 0.205f, 0.108f), Vec3f(0.54f, 0.325f, 0.165f), Vec3f(0.60f, 0.445f, 0.285f), Vec3f(0.105f, 0.064f, 0.046f)},
     {Vec3f(0.265f, 0.235f, 0.20f), Vec3f(0.15f, 0.13f, 0.112f), Vec3f(0.40f, 0.365f, 0.315f), Vec3f(0.43f, 0.44f, 0.33f), Vec3f(0.45f, 0.25f, 0.07f)},
     {Vec3f(0.165f, 0.108f, 0.068f), Vec3f(0.10f, 0.064f, 0.04f), Vec3f(0.25f, 0.175f, 0.115f), Vec3f(0.5f), Vec3f(0.5f)},
 }};
