@@ -32,8 +32,6 @@ struct ImageHandle {
     std::shared_ptr<const LoadedScene> loaded;
 };
 
-using Progress = std::optional<std::function<void(double)>>;
-
 // -- load ------------------------------------------------------------------------------------------------------------
 
 /// A text is a scene if it has a line end or is no path to speak of: "x = 1" is a scene, "valley.toml" a file, there or not.
@@ -57,7 +55,7 @@ SceneHandle load(const py::object& source, const py::dict& overrides, std::optio
 
 // -- render ----------------------------------------------------------------------------------------------------------
 
-ImageHandle render_image(const SceneHandle& self, std::optional<int> width, std::optional<int> height, std::optional<int> spp, int threads, std::optional<std::uint64_t> seed, const Progress& progress)
+ImageHandle render_image(const SceneHandle& self, std::optional<int> width, std::optional<int> height, std::optional<int> spp, int threads, std::optional<std::uint64_t> seed, const py::object& progress)
 {
     std::atomic<bool> cancel{false};
     std::mutex reported_mutex;
@@ -81,7 +79,7 @@ ImageHandle render_image(const SceneHandle& self, std::optional<int> width, std:
             const std::lock_guard lock(reported_mutex);
             now = reported;
         }
-        if (progress && now != told) (*progress)(told = now);
+        if (!progress.is_none() && now != told) progress(told = now);
     };
     Image image;
     run_interruptibly([&] { image = render(*self.loaded, options); }, [&] { cancel = true; }, tell);

@@ -40,7 +40,7 @@ type = "mesh"
 file = "floor.obj"
 material = "plate"
 [material.plate]
-albedo = { grey = "albedo" }
+albedo = { grey = "${albedo}" }
 [light.sky]
 type = "constant"
 radiance = { grey = 1.0 }
@@ -128,7 +128,7 @@ def test_every_row_of_the_catalogue_is_listed_and_a_wrong_one_is_named():
     with pytest.raises(hoodoo.Error, match="convolution"):
         hoodoo.field("convolutio")
     with pytest.raises(hoodoo.Error, match="no field"):
-        hoodoo.field("mesh", file=str(ROOT / "absent.obj")) if False else hoodoo.field("plane")
+        hoodoo.field("plane")
 
 
 # -- scenes ----------------------------------------------------------------------------------------------------------
@@ -187,8 +187,8 @@ def test_a_picture_has_channels_as_arrays_with_row_0_on_top(scene_file, tmp_path
     assert red.dtype == np.float32 and red.shape == (30, 40) and (image.width, image.height) == (40, 30)
     depth = image["Z"]
     assert depth[-1].mean() < depth[10].mean()   # the floor is nearer at the lower edge
-    with pytest.raises(KeyError, match="R"):
-        image["r"]
+    with pytest.raises(KeyError, match="did you mean .albedo.R"):
+        image["albedo.r"]
     image.write(tmp_path / "a.exr")
     image.write(str(tmp_path / "a.png"))
     assert (tmp_path / "a.exr").stat().st_size > 0 and (tmp_path / "a.png").stat().st_size > 0
@@ -200,8 +200,10 @@ def test_the_same_seed_gives_the_same_bits_for_any_number_of_threads(scene_file)
     scene = hoodoo.load(scene_file)
     first = scene.render(spp=16, threads=1, seed=5)
     for threads in (2, 3):
-        assert np.array_equal(first["R"], scene.render(spp=16, threads=threads, seed=5)["R"])
-    assert not np.array_equal(first["R"], scene.render(spp=16, threads=1, seed=6)["R"])
+        again = scene.render(spp=16, threads=threads, seed=5)
+        assert all(np.array_equal(first[c], again[c], equal_nan=True) for c in first.channels)
+    # The floor is white light's even answer; its distance under the pixels' filter is what the samples decide.
+    assert not np.array_equal(first["Z"], scene.render(spp=16, threads=1, seed=6)["Z"])
 
 
 def test_progress_is_told_in_the_calling_thread_up_to_1(scene_file):
@@ -217,7 +219,7 @@ def test_an_exception_in_progress_ends_the_render_and_is_passed_on(scene_file):
         raise RuntimeError("enough")
     start = time.monotonic()
     with pytest.raises(RuntimeError, match="enough"):
-        hoodoo.load(scene_file).render(2000, 2000, 4096, progress=stop)
+        hoodoo.load(scene_file).render(1000, 1000, 65536, progress=stop)
     assert time.monotonic() - start < 60   # a watchdog: the whole picture takes hours
 
 
@@ -246,7 +248,7 @@ def test_other_threads_run_during_a_render_and_arrays_outlive_it(scene_file):
 
 def test_ctrl_c_returns_at_once(scene_file):
     script = (f"import hoodoo, time\nscene = hoodoo.load({str(scene_file)!r})\nprint('ready', flush=True)\n"
-              "start = time.monotonic()\ntry:\n    scene.render(4000, 4000, 4096)\nexcept KeyboardInterrupt:\n    print('stopped', flush=True)\n")
+              "start = time.monotonic()\ntry:\n    scene.render(1000, 1000, 65536)\nexcept KeyboardInterrupt:\n    print('stopped', flush=True)\n")
     process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
     assert process.stdout.readline() == "ready\n"
     time.sleep(0.5)
