@@ -53,12 +53,10 @@ public:
             std::vector<float> shares(scene_.material_names().size());
             const PixelBounds& window = layout_.data;
             const int x0 = window.x0 + tile % columns_ * size_, y0 = window.y0 + tile / columns_ * size_;
-            for (int y = y0; y < std::min(y0 + size_, window.y1); ++y) {
-                if (cancelled()) return;
+            for (int y = y0; y < std::min(y0 + size_, window.y1); ++y)
                 for (int x = x0; x < std::min(x0 + size_, window.x1); ++x) trace_pixel({x, y}, shares);
-            }
         }
-        if (!settings_.progress) return;
+        if (!settings_.progress || cancelled()) return;
         const std::lock_guard lock(mutex_);
         ++done_;
         settings_.progress(static_cast<double>(done_) / count_);
@@ -73,6 +71,7 @@ private:
             const int samples = layout_.samples / replicates + (r < layout_.samples % replicates ? 1 : 0);
             Sampler sampler(path_.seed, path_.frame, pixel, static_cast<std::uint32_t>(r));
             for (int s = 0; s < samples; ++s) {
+                if (cancelled()) return;   // between samples: a pixel alone may take minutes
                 sampler.start(static_cast<std::uint32_t>(s));
                 const auto u = sampler.get(0);
                 const Vec2d film = Vec2d(pixel.x + 0.5, pixel.y + 0.5) + settings_.filter.sample(Vec2d(u[0], u[1]));
