@@ -1,0 +1,183 @@
+// A whole path on one thread: Lambert 0.5, delta sun, constant sky, five scattering events, 512 x 512. The same ground as a convolution terrain and
+// as a triangle mesh of about 2.1 million triangles, both through the product's own scene files.
+//
+// Error: relative root mean square over the pixels against a reference of our own with independent samples, and the processor seconds that one
+// percent of it would take at 512 x 512, by the 1/sqrt(n) law.
+
+#include "tests/bench/path.h"
+
+#include "renderer/render.h"
+#include "terrain/march/exact_cells.h"
+#include "tests/bench/polygonise.h"
+#include "tests/bench/profile.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+namespace hoodoo::bench {
+namespace {
+
+const char* const kFrame = R"(
+version = 1
+[camera]
+eye = [-150, -120, 330]
+target = [470, 400, 60]
+hfov = "52 deg"
+[film]
+width = 512
+height = 512
+filter = "box"
+[render]
+spp = 16
+max_depth = 5
+[light.sun]
+type = "sun"
+elevation = "40 deg"
+azimuth = "200 deg"
+shape = "delta"
+irradiance = { acescg = [900, 850, 800] }
+[light.sky]
+type = "constant"
+radiance = { acescg = [60, 70, 90] }
+[material.bedrock]
+procedural = "plain"
+albedo = { grey = 0.5 }
+roughness = 0.0
+)";
+
+const char* const kTerrain = R"(
+[terrain.ground]
+type = "convolution"
+cell = "1 m"
+sigma_cells = 2.0
+[[terrain.ground.layer]]
+shape = "fractal"
+kind = "ridged"
+height = 110.0
+relief = 100.0
+wavelength = 260.0
+octaves = 7.0
+warp = 20.0
+warp_wavelength = 90.0
+[[terrain.ground.layer]]
+shape = "canyon"
+measure = "cut"
+points = [[100, -100, 20], [300, 300, 24], [700, 380, 30], [900, 900, 40]]
+rim = 210.0
+floor_width = 40.0
+width = 190.0
+warp = 30.0
+beds = 9.0
+)";
+
+void write_ply(const TriangleMesh& mesh, const std::string& path)
+{
+    std::ofstream out(path, std::ios::binary);
+    out << fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {}\n"
+                       "property list uchar uint vertex_indices\nend_header\n", mesh.vertices.size(), mesh.triangles.size());
+    for (const Vec3f& v : mesh.vertices) out.write(reinterpret_cast<const char*>(&v), sizeof v);
+    for (const auto& t : mesh.triangles) {
+        out.put(3);
+        out.write(reinterpret_cast<const char*>(t.data()), sizeof t);
+    }
+}
+
+double seconds_of(const std::function<void()>& work)
+{
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::string part_of(const std::string& function)
+{
+    const auto has = [&](const char* word) { return function.find(word) != std::string::npos; };
+    if (has("libembree") || has("Tracer") || has("ExactCells") || has("filter_") || has("first_crossing") || has("part_") || has("CellTile") || has("SphereBricks"))
+        return "intersection";
+    if (has("Sampler") || has("owen") || has("sobol") || has("Filter::")) return "sampling";
+    if (has("interact") || has("ConvolutionField") || has("refine_crossing") || has("visible") || has("appearance") || has("Look") || has("procedur") || has("noise") ||
+        has("Lambert") || has("CosineLobe") || has("RoughDiffuse") || has("trace_path") || has("next_event") || has("make_vertex") || has("Sun") || has("Sky"))
+        return "shading";
+    return "other";
+}
+
+/// Root mean square difference over the mean of the reference, all channels.
+double relative_rmse(const Image& image, const Image& reference)
+{
+    double sum = 0.0, mean = 0.0;
+    std::size_t n = 0;
+    for (const char* channel : {"R", "G", "B"}) {
+        const std::vector<float>&a = image.find(channel)->pixels, &b = reference.find(channel)->pixels;
+        for (std::size_t i = 0; i < a.size(); ++i, ++n) {
+            sum += (static_cast<double>(a[i]) - b[i]) * (static_cast<double>(a[i]) - b[i]);
+            mean += b[i];
+        }
+    }
+    return std::sqrt(sum / static_cast<double>(n)) / (mean / static_cast<double>(n));
+}
+
+nlohmann::json measure_scene(const LoadedScene& loaded, bool full)
+{
+    RenderOptions options;
+    options.width = options.height = full ? 512 : 128;
+    options.spp = full ? 16 : 4;
+    options.threads = 1;
+    const double samples = static_cast<double>(*options.width) * *options.height * *options.spp;
+    const double one = std::min(seconds_of([&] { render(loaded, options); }), seconds_of([&] { render(loaded, options); }));
+    options.threads = 2;
+    const double two = std::min(seconds_of([&] { render(loaded, options); }), seconds_of([&] { render(loaded, options); }));
+    options.threads = 1;
+    const auto shares = profile([&] { render(loaded, options); }, part_of);
+
+    options.threads = 0;
+    options.width = options.height = full ? 128 : 48;
+    options.spp = full ? 4096 : 256;
+    options.seed = 1;
+    const Image reference = render(loaded, options);
+    options.spp = 64;
+    options.seed = 2;
+    const double rmse = relative_rmse(render(loaded, options), reference);
+    const double rate = samples / one;
+    return {{"samples_per_second", rate}, {"two_threads_over_one", one / two}, {"rmse_at_64", rmse},
+            {"cpu_seconds_to_1_percent", 512.0 * 512.0 * 64.0 * (rmse / 0.01) * (rmse / 0.01) / rate}, {"shares", shares}};
+}
+
+}  // namespace
+
+nlohmann::json path_benchmark(bool full)
+{
+    const std::string size = full ? "columns = [1024, 768]" : "columns = [160, 128]";
+    std::string text = std::string(kFrame) + kTerrain;
+    text.replace(text.find("cell = \"1 m\""), 0, size + "\n");
+    const LoadedScene direct = load_scene(text, true);
+    nlohmann::json report;
+    report["convolution"] = measure_scene(direct, full);
+    report["convolution"]["build_seconds"] = direct.build_seconds;
+
+    // The same ground as triangles; the spacing is scaled once towards the wanted number.
+    const auto& surface = std::get<std::unique_ptr<Surface>>(direct.scene->shapes()[0]);
+    const auto& field = dynamic_cast<const ConvolutionField&>(*surface->field());
+    const auto cells = make_exact_cells(field);
+    const double wanted = full ? 2.1e6 : 5e4;
+    double spacing = 1.6;
+    TriangleMesh mesh = polygonise(field, *cells, spacing);
+    spacing *= std::sqrt(static_cast<double>(mesh.triangles.size()) / wanted);
+    mesh = polygonise(field, *cells, spacing);
+    const std::filesystem::path folder = std::filesystem::absolute("out/bench");
+    std::filesystem::create_directories(folder);
+    const std::filesystem::path ply = folder / "path.ply", scene_file = folder / "path.toml";
+    write_ply(mesh, ply.string());
+    std::ofstream(scene_file) << kFrame << "[terrain.ground]\ntype = \"mesh\"\nfile = \"path.ply\"\nmaterial = \"bedrock\"\nnormals = \"flat\"\n";
+    const LoadedScene triangles = load_scene(scene_file.string(), false);
+    report["mesh"] = measure_scene(triangles, full);
+    report["mesh"]["triangles"] = mesh.triangles.size();
+    report["mesh"]["build_seconds"] = triangles.build_seconds;
+    for (const auto& [name, facts] : report.items()) std::printf("%-12s %s\n", name.c_str(), facts.dump().c_str());
+    return report;
+}
+
+}  // namespace hoodoo::bench
