@@ -147,6 +147,7 @@ private:
         evaluations += 2u * static_cast<std::uint32_t>(met);
         if (lanes == 0) return false;
 
+        exact.inverse = Vec3d(1.0 / exact.direction.x, 1.0 / exact.direction.y, 1.0 / exact.direction.z);
         exact.domain_lo = domain_lo_ - Vec2d(tile.a0, tile.b0), exact.domain_hi = domain_hi_ - Vec2d(tile.a0, tile.b0);
         exact.crossing = ray.crossing;
         bool found = false;
@@ -158,10 +159,10 @@ private:
             if (found && t_ref + static_cast<double>(t_in[next]) - widen > t) break;
             ++evaluations;
             double candidate;
-            if (first_crossing(tile.slab(i, next, lattice_.delta), exact, ray.t_min, t, candidate)) {
+            if (first_crossing(tile.slab(i, next, lattice_.delta), exact, ray.t_min, t, any, candidate)) {
+                if (any) return true;
                 t = candidate;
                 found = true;
-                if (any) return true;
             }
         }
         return found;

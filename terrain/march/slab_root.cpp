@@ -1,6 +1,6 @@
 // F is a cubic along a ray inside a slab: its extremes split it into monotone pieces, and the first piece with a change of sign holds the crossing.
 //
-// Neighbouring slabs share their faces to the bit, since both compute the same quotient for the ray's t at the face. Their values of F there
+// Neighbouring slabs share their faces to the bit, since both compute the ray's t at the face from the same numbers. Their values of F there
 // agree up to rounding, so a ray may pass from one to the next exactly when F does: the slab that is entered reports such a crossing at its
 // face, unless F says that the ray is clearly past it.
 
@@ -13,10 +13,10 @@ namespace hoodoo {
 namespace {
 
 /// Cuts [t0, t1] to where the ray lies between two planes across axis k.
-bool cut(double origin, double direction, double lo, double hi, double& t0, double& t1, bool& through_face)
+bool cut(double origin, double direction, double inverse, double lo, double hi, double& t0, double& t1, bool& through_face)
 {
     if (direction == 0.0) return lo <= origin && origin <= hi;
-    double a = (lo - origin) / direction, b = (hi - origin) / direction;
+    double a = (lo - origin) * inverse, b = (hi - origin) * inverse;
     if (a > b) std::swap(a, b);
     if (a >= t0) t0 = a, through_face = true;
     t1 = std::min(t1, b);
@@ -85,15 +85,15 @@ double root(const Cubic& g, double x0, double y0, double x1, double y1)
 
 }  // namespace
 
-bool first_crossing(const Slab& slab, const SlabRay& ray, double t_lo, double t_hi, double& t)
+bool first_crossing(const Slab& slab, const SlabRay& ray, double t_lo, double t_hi, bool exists, double& t)
 {
     double t0 = t_lo, t1 = t_hi;
     bool through_face = false;
     const double x0 = std::max<double>(slab.x, ray.domain_lo.x), x1 = std::min<double>(slab.x + 1.0, ray.domain_hi.x);
     const double y0 = std::max<double>(slab.y, ray.domain_lo.y), y1 = std::min<double>(slab.y + 1.0, ray.domain_hi.y);
-    if (!cut(ray.origin.x, ray.direction.x, x0, x1, t0, t1, through_face)) return false;
-    if (!cut(ray.origin.y, ray.direction.y, y0, y1, t0, t1, through_face)) return false;
-    if (!cut(ray.origin.z, ray.direction.z, slab.z0, slab.z1, t0, t1, through_face)) return false;
+    if (!cut(ray.origin.x, ray.direction.x, ray.inverse.x, x0, x1, t0, t1, through_face)) return false;
+    if (!cut(ray.origin.y, ray.direction.y, ray.inverse.y, y0, y1, t0, t1, through_face)) return false;
+    if (!cut(ray.origin.z, ray.direction.z, ray.inverse.z, slab.z0, slab.z1, t0, t1, through_face)) return false;
 
     const Cubic g = along(slab, ray, t0, t1 - t0);
     double scale = 0.0;
@@ -112,6 +112,7 @@ bool first_crossing(const Slab& slab, const SlabRay& ray, double t_lo, double t_
         const double after = g.at(ends[i]);
         const bool enters = before > 0.0 && after <= 0.0, leaves = before < 0.0 && after >= 0.0;
         if (enters || (leaves && !entering_only)) {
+            if (exists) return true;
             t = t0 + (t1 - t0) * root(g, ends[i - 1], before, ends[i], after);
             return t > t_lo && t < t_hi;
         }
