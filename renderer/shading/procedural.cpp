@@ -72,8 +72,10 @@ Bed bed_at(std::uint64_t seed, double h, double thickness, double footprint)
     const double x = h / thickness;
     const double cell = std::floor(x);
     const auto k = static_cast<std::int64_t>(cell);
-    const auto boundary = [&](std::int64_t i) { return static_cast<double>(i) + 0.6 * (unit_real(hash_cell(seed, i, 1)) - 0.5); };
-    const auto tone = [&](std::int64_t i) { return 2.0 * unit_real(hash_cell(seed, i, 0)) - 1.0; };
+    // One hash a bed: its high half shifts the bed's lower boundary, its low half is the tone.
+    const auto bits = [&](std::int64_t i) { return hash_combine(seed, static_cast<std::uint64_t>(i)); };
+    const auto boundary = [&](std::int64_t i) { return static_cast<double>(i) + 0.6 * (static_cast<double>(bits(i) >> 32) * 0x1p-32 - 0.5); };
+    const auto tone = [&](std::int64_t i) { return static_cast<double>(bits(i) & 0xffffffffu) * 0x1p-31 - 1.0; };
 
     // The nearest boundary lies at one of three indices; only it can blend, since its half-width stays under half the least bed of 0.4.
     const std::int64_t nearest = x - cell < 0.5 ? k : k + 1;
@@ -128,15 +130,15 @@ Pattern bedrock(const Palette& colors, std::uint64_t seed, const Interaction& at
     // Desert varnish runs down steep faces in streaks; dust lies on level ones.
     if (steep > 0.5) {
         const double wall = smooth_step(0.5, 0.95, steep);
-        const double kept = kept_share(1.9, footprint);
+        const double kept = kept_share(2.3, footprint);
         double cover = 0.22;
         if (kept > 0.0) {
             Sum streaks;
-            streaks.add(seed ^ 12, Vec3d(p.x, p.y, p.z * 0.09), 1.9, 0.9, 0.0, footprint);
-            streaks.add(seed ^ 13, Vec3d(p.x, p.y, p.z * 0.07), 0.53, 0.5, 0.0, footprint);
-            cover += kept * (smooth_step(-0.02, 0.42, streaks.value + 0.9 * mottle.value - 0.15 * member.tone) - cover);
+            streaks.add(seed ^ 12, Vec3d(p.x, p.y, p.z * 0.05), 2.3, 0.8, 0.0, footprint);
+            streaks.add(seed ^ 13, Vec3d(p.x, p.y, p.z * 0.035), 0.61, 0.6, 0.0, footprint);
+            cover += kept * (smooth_step(-0.08, 0.5, streaks.value + 0.8 * mottle.value - 0.12 * member.tone) - cover);
         }
-        color = mix(color, colors[4], 0.72 * wall * cover);
+        color = mix(color, colors[4], 0.62 * wall * cover);
     }
     color = mix(color, colors[3], 0.2 * smooth_step(0.75, 0.98, at.shading_normal.z));
 
