@@ -44,7 +44,7 @@ std::optional<double> bare_number(const Node& node)
 
 std::string in_unit(double value, const Parameter& p)
 {
-    return p.type == ParameterType::angle ? fmt::format("{} deg", value / kPi * 180.0) : fmt::format("{}", value);
+    return p.type == ParameterType::angle ? fmt::format("{:.6g} deg", value / kPi * 180.0) : fmt::format("{}", value);
 }
 
 std::string range_text(const Parameter& p)

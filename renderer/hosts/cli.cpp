@@ -17,7 +17,7 @@ namespace {
 struct Arguments {
     RenderArguments render;
     std::vector<std::string> params, sets;
-    std::uint64_t seed = 0;
+    std::int64_t seed = 0;
     int spp = 0, replicates = 0;
     std::vector<int> resolution, pixel_bounds;
     std::vector<double> crop_window;
@@ -48,7 +48,7 @@ void add_scene_options(CLI::App& command, Arguments& a)
     command.add_option("--allow-read", scene.overrides.allowed_roots, "A folder the scene may read files from, beside its own")->take_all()->allow_extra_args(false);
     command.add_option("--colorconfig", scene.colorconfig, "OpenColorIO configuration (else the scene's, $OCIO, the one built in)");
     command.add_option("-t,--threads", scene.threads, "Threads; 0 = all this process may use")->check(CLI::Range(0, 4096));
-    command.add_option("--seed", a.seed, "Replace the scene's seed");
+    command.add_option("--seed", a.seed, "Replace the scene's seed")->check(CLI::NonNegativeNumber);
     command.add_flag("-q,--quiet", scene.quiet, "Say nothing but errors");
 }
 
@@ -98,7 +98,7 @@ void finish_arguments(const CLI::App& command, Arguments& a)
     };
     RenderOptions& o = a.render.options;
     o.threads = scene.threads;
-    if (given("--seed")) o.seed = scene.overrides.seed = a.seed;
+    if (given("--seed")) o.seed = scene.overrides.seed = static_cast<std::uint64_t>(a.seed);
     if (given("--spp")) o.spp = a.spp;
     if (given("--replicates")) o.replicates = a.replicates;
     check_bounds(a);

@@ -104,19 +104,32 @@ int estimate(const LoadedScene& loaded, const RenderArguments& arguments)
     return 0;
 }
 
-std::string parameter_line(const Parameter& p)
+std::string default_text(const Parameter& p)
 {
-    const std::string key = p.type == ParameterType::angle ? fmt::format("{} | {}_deg", p.name, p.name) : p.name;
-    const std::string need = p.required ? " Required." : "";
-    return fmt::format("  {:<28} {}{}\n  {:<28} {}\n", key, p.doc, need, "", expected_text(p));
+    Node node;   // only to quote the value as errors do
+    if (const auto* b = std::get_if<bool>(&p.fallback)) node.value = *b;
+    else if (const auto* i = std::get_if<std::int64_t>(&p.fallback)) node.value = *i;
+    else if (const auto* x = std::get_if<double>(&p.fallback)) {
+        if (p.type == ParameterType::angle) return fmt::format(" Default {:.6g} deg.", *x * 57.295779513082323);
+        node.value = *x;
+    } else if (const auto* s = std::get_if<std::string>(&p.fallback)) node.value = *s;
+    else if (const auto* v = std::get_if<std::vector<double>>(&p.fallback)) return fmt::format(" Default [{}].", fmt::join(*v, ", "));
+    else if (const auto* c = std::get_if<ColorValue>(&p.fallback)) return fmt::format(" Default {{ {} = [{}, {}, {}] }}.", c->space, c->rgb.x, c->rgb.y, c->rgb.z);
+    else if (const auto* n = std::get_if<std::vector<std::string>>(&p.fallback)) return fmt::format(" Default [\"{}\"].", fmt::join(*n, "\", \""));
+    else return p.required ? " Required." : "";
+    return " Default " + quoted_value(node) + ".";
 }
 
-std::string schema_text(const std::string& title, const Schema& schema)
+/// A table of a scene in words, its lists of tables indented below it.
+std::string schema_text(const std::string& head, const Schema& schema, int indent)
 {
-    std::string out = fmt::format("[{}] {}\n", title, schema.doc);
+    const std::string margin(static_cast<std::size_t>(indent), ' ');
+    std::string out = fmt::format("{}{}  {}\n", margin, head, schema.doc);
     for (const Parameter& p : schema.parameters) {
-        out += parameter_line(p);
-        for (const Schema& item : p.items) out += "  [[" + p.name + "]] " + (p.discriminator.empty() ? "" : p.discriminator + " = ") + schema_text(item.name, item);
+        const std::string key = p.type == ParameterType::angle ? fmt::format("{} | {}_deg", p.name, p.name) : p.name;
+        out += fmt::format("{}  {:<26} {}{}\n{}  {:<26} {}\n", margin, key, p.doc, default_text(p), margin, "", expected_text(p));
+        for (const Schema& item : p.items)
+            out += schema_text(p.discriminator.empty() ? "[[" + p.name + "]]" : fmt::format("[[{}]] {} = \"{}\"", p.name, p.discriminator, item.name), item, indent + 4);
     }
     return out;
 }
@@ -180,7 +193,7 @@ int run_schema(const std::string& wanted)
         for (std::size_t i = 0; i < section.schemas.size(); ++i) {
             titles.push_back(section.types.empty() ? section.name : section.name + "." + section.types[i]);
             if (titles.back() != wanted) continue;
-            print(schema_text(wanted, *section.schemas[i]));
+            print(schema_text("[" + wanted + "]", *section.schemas[i], 0));
             return 0;
         }
     std::string all;

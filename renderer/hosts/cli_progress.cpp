@@ -32,7 +32,7 @@ void Progress::update(double fraction, const std::string& what)
         if (drawn_) std::fputc('\n', stderr);
         drawn_ = false;
         what_ = what;
-        shown_ = -1;
+        shown_ = terminal_ ? -1 : 0;   // no line for nothing done
         start_ = now;
         last_ = {};
     }

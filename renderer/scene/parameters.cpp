@@ -142,11 +142,13 @@ void SceneParameters::define(const std::string& name, Node node)
     values_[name] = std::move(node);
 }
 
-std::vector<std::string> SceneParameters::names() const
+std::string SceneParameters::nearest(const std::string& name) const
 {
-    std::vector<std::string> out;
-    for (const auto& entry : values_) out.push_back(entry.first);
-    return out;
+    // Of the first problems only: the search costs as much as there are parameters.
+    if (name.empty() || problems_.size() >= 100) return {};
+    std::vector<std::string> names;
+    for (const auto& entry : values_) names.push_back(entry.first);
+    return nearest_name(name, names);
 }
 
 void SceneParameters::substitute(Node& node, int depth)
@@ -174,7 +176,7 @@ void SceneParameters::compute(Node& node, const std::string& expression)
     where.column += static_cast<int>(result.position) + (where.file == "-D" || where.file == "--set" ? 1 : 2);
     const bool no_number = named != values_.end();
     problems_.push_back({where, no_number ? "a parameter in an expression is no number" : result.problem, {},
-                         result.token.empty() ? std::string() : "\"" + result.token + "\"", no_number ? std::string() : nearest_name(result.token, names())});
+                         result.token.empty() ? std::string() : "\"" + result.token + "\"", no_number ? std::string() : nearest(result.token)});
 }
 
 void SceneParameters::substitute_text(Node& node, const std::string& text, int depth)
@@ -192,7 +194,7 @@ void SceneParameters::substitute_text(Node& node, const std::string& text, int d
     const std::string name = text.substr(2, text.size() - 3);
     const auto found = values_.find(name);
     if (found == values_.end()) {
-        problems_.push_back({node.where, fmt::format("unknown parameter \"{}\"", name.substr(0, 64)), {}, {}, nearest_name(name, names())});
+        problems_.push_back({node.where, fmt::format("unknown parameter \"{}\"", name.substr(0, 64)), {}, {}, nearest(name)});
         return;
     }
     std::size_t bytes = 0, nodes = 0;

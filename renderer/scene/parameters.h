@@ -25,7 +25,7 @@ private:
     void substitute(Node& node, int depth);
     void compute(Node& node, const std::string& expression);
     void substitute_text(Node& node, const std::string& text, int depth);
-    std::vector<std::string> names() const;
+    std::string nearest(const std::string& name) const;
 
     SceneBudget& budget_;
     std::vector<Problem>& problems_;

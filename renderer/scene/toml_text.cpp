@@ -102,8 +102,8 @@ public:
         Node out;
         out.where = at(node.source().begin);
         out.key_where = out.where;
-        if (depth > max_nesting) complain(out.where, "lists and tables are nested too deeply", fmt::format("at most {} levels", max_nesting));
-        else if (!budget_.take(0, 1)) complain(out.where, "the scene has too many values", "at most 100000");
+        if (depth > max_nesting) complain_once(out.where, "lists and tables are nested too deeply", fmt::format("at most {} levels", max_nesting));
+        else if (!budget_.take(0, 1)) complain_once(out.where, "the scene has too many values", "at most 100000");
         else if (const auto* table = node.as_table()) out.value = convert_table(*table, depth);
         else if (const auto* array = node.as_array()) {
             Node::Array items;
@@ -118,7 +118,13 @@ private:
 
     void complain(const Source& where, std::string what, std::string expected, std::string got = {})
     {
-        if (problems_.empty() || problems_.back().what != what) problems_.push_back({where, std::move(what), std::move(expected), std::move(got), {}});
+        problems_.push_back({where, std::move(what), std::move(expected), std::move(got), {}});
+    }
+
+    /// Of a limit that every further value breaks too.
+    void complain_once(const Source& where, const std::string& what, std::string expected)
+    {
+        if (problems_.empty() || problems_.back().what != what) complain(where, what, std::move(expected));
     }
 
     Node::Table convert_table(const toml::table& table, int depth)

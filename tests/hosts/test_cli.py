@@ -1,0 +1,302 @@
+"""The command line, as a shell meets it. HOODOO is the program (ctest sets it)."""
+import json
+import os
+import pathlib
+import re
+import resource
+import signal
+import subprocess
+import time
+import tomllib
+
+import jsonschema
+import pytest
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+HOODOO = os.environ.get("HOODOO", str(ROOT / "build/release/bin/hoodoo"))
+
+SCENE = """version = 1
+[params]
+height = 3
+[camera]
+eye = [0, -10, "= height"]
+target = [0, 0, 0]
+[film]
+width = 64
+height = 36
+[render]
+spp = 4
+[terrain.floor]
+type = "plane"
+material = "sand"
+[light.sky]
+type = "constant"
+radiance = { grey = 0.5 }
+"""
+
+
+def hoodoo(*arguments, env=None, cwd=None, timeout=120, limit=None):
+    def limits():
+        resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+
+    return subprocess.run([HOODOO, *map(str, arguments)], capture_output=True, text=True, timeout=timeout, cwd=cwd,
+                          env={**os.environ, **(env or {})}, preexec_fn=limits if limit else None)
+
+
+@pytest.fixture
+def scene(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return path
+
+
+# -- Hostile scenes -------------------------------------------------------------------------------------------------------
+
+HOSTILE = sorted((HERE / "hostile").glob("*.toml"))
+
+
+def test_there_are_at_least_twelve_hostile_scenes():
+    assert len(HOSTILE) >= 12
+
+
+@pytest.mark.parametrize("path", HOSTILE, ids=lambda p: p.stem)
+def test_a_hostile_scene_is_refused_with_a_position(path):
+    started = time.monotonic()
+    result = hoodoo("check", path, limit=1 << 30)
+    assert result.returncode == (3 if path.stem == "missing_include" else 2), result.stderr
+    assert re.match(rf"{re.escape(str(path))}:\d+:\d+: ", result.stderr), result.stderr
+    assert result.stdout == ""
+    assert len(result.stderr) < 100_000
+    assert time.monotonic() - started < 60   # a watchdog: a second is normal
+
+
+@pytest.mark.parametrize("text", ["a = 1\n" * 200_000, "x = [" + "1," * 400_000 + "]\n", "".join(f"k{i} = 1\n" for i in range(120_000)),
+                                  "".join(f"[terrain.t{i}]\n" for i in range(60_000)), "[params]\n" + "".join(f"p{i} = '= 1 +'\n" for i in range(40_000))],
+                         ids=["same_key", "long_list", "many_keys", "many_tables", "many_expressions"])
+def test_a_scene_with_very_many_values_is_refused(tmp_path, text):
+    path = tmp_path / "many.toml"
+    path.write_text(text)
+    result = hoodoo("check", path, limit=1 << 30)
+    assert result.returncode == 2, result.stderr[:300]
+
+
+def test_a_scene_over_64_megabytes_is_refused_before_it_is_read(tmp_path):
+    path = tmp_path / "long.toml"
+    with open(path, "wb") as file:
+        file.truncate(70 << 20)
+    result = hoodoo("check", path, limit=1 << 30)
+    assert result.returncode == 2 and "too long" in result.stderr
+
+
+def test_no_file_outside_the_roots_is_opened(tmp_path):
+    if subprocess.run(["which", "strace"], capture_output=True).returncode:
+        pytest.skip("strace is not installed")
+    log = tmp_path / "log"
+    subprocess.run(["strace", "-f", "-e", "trace=openat,open,execve", "-o", log, HOODOO, "check", HERE / "hostile/foreign_path.toml"], capture_output=True, timeout=120)
+    calls = [line for line in log.read_text().splitlines() if "passwd" in line or "environ" in line or "shadow" in line]
+    assert calls == []
+
+
+# -- Errors and exit codes ------------------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("arguments", [[], ["rendre"], ["render"], ["render", "x.toml", "--bad"], ["render", "x.toml", "-o", "a.jpg"], ["render", "x.toml"],
+                                       ["render", "x.toml", "-o", "a.exr", "--spp", "0"], ["render", "x.toml", "-o", "a.exr", "-t", "-1"],
+                                       ["render", "x.toml", "-o", "a.exr", "--crop-window", "0.5,0.2,0,1"], ["render", "x.toml", "-o", "a.exr", "--crop-window", "0,1,0"],
+                                       ["render", "x.toml", "-o", "a.exr", "--pixel-bounds", "0,0,0,1"], ["render", "x.toml", "-o", "a.exr", "-D", "novalue"],
+                                       ["render", "x.toml", "-o", "a.exr", "-r", "0", "10"], ["render", "x.toml", "-o", "a.exr", "--seed", "-3"]],
+                         ids=lambda a: " ".join(a) or "nothing")
+def test_wrong_arguments_are_exit_2(arguments):
+    result = hoodoo(*arguments)
+    assert result.returncode == 2, result.stderr
+    assert result.stderr and result.stdout == ""
+
+
+def test_help_and_version_are_exit_0():
+    for arguments in (["--help"], ["render", "--help"], ["version"], ["--version"]):
+        result = hoodoo(*arguments)
+        assert result.returncode == 0 and result.stdout, arguments
+    assert re.match(r"hoodoo \d+\.\d+\.\d+\n", hoodoo("version").stdout)
+
+
+def test_an_unknown_instruction_set_is_exit_2():
+    result = hoodoo("version", env={"HOODOO_ISA": "avx1024"})
+    assert result.returncode == 2 and "HOODOO_ISA" in result.stderr
+
+
+def test_an_absent_scene_is_exit_3(tmp_path):
+    result = hoodoo("check", tmp_path / "none.toml")
+    assert result.returncode == 3 and "none.toml" in result.stderr
+
+
+@pytest.mark.parametrize("output", ["missing/a.exr", "folder.exr"])
+def test_a_place_that_cannot_be_written_is_exit_3_before_the_work(scene, tmp_path, output):
+    (tmp_path / "folder.exr").mkdir()
+    result = hoodoo("render", scene, "-o", tmp_path / output)
+    assert result.returncode == 3 and "cannot write" in result.stderr
+    assert "tracing" not in result.stderr
+
+
+def test_a_picture_that_does_not_fit_into_memory_is_exit_4(scene, tmp_path):
+    result = hoodoo("render", scene, "-o", tmp_path / "a.exr", "-r", 16384, 16384, limit=1 << 30)
+    assert result.returncode == 4, result.stderr
+    assert "memory" in result.stderr and not (tmp_path / "a.exr").exists()
+
+
+def test_a_picture_over_the_limits_is_exit_2(scene, tmp_path):
+    result = hoodoo("render", scene, "-o", tmp_path / "a.exr", "-r", 65536, 65536)
+    assert result.returncode == 2 and "429 GB" in result.stderr
+
+
+def test_all_errors_of_a_scene_come_at_once_with_their_places(tmp_path):
+    path = tmp_path / "bad.toml"
+    path.write_text(SCENE.replace("width", "widht").replace('"plane"', '"plain"').replace("= height", "= heigth"))
+    result = hoodoo("check", path)
+    assert result.returncode == 2
+    for part in (":5:19: unknown name in the expression", ':8:1: unknown key "widht" in film (did you mean "width")', ":13:8: type has an unknown value"):
+        assert f"{path}{part}" in result.stderr, result.stderr
+    assert '    eye = [0, -10, "= heigth"]\n                      ^\n' in result.stderr
+
+
+# -- Commands -------------------------------------------------------------------------------------------------------------
+
+def test_render_writes_each_output(scene, tmp_path):
+    result = hoodoo("render", scene, "-o", tmp_path / "a.exr", "-o", tmp_path / "a.png", "-t", 1)
+    assert result.returncode == 0, result.stderr
+    assert result.stdout == ""
+    assert (tmp_path / "a.exr").read_bytes()[:4] == b"\x76\x2f\x31\x01"
+    assert (tmp_path / "a.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.exr", "a.png", "scene.toml"], "nothing else is left behind"
+
+
+def test_quiet_says_nothing_and_plain_progress_has_no_control_codes(scene, tmp_path):
+    assert hoodoo("render", scene, "-o", tmp_path / "a.exr", "--quiet").stderr == ""
+    loud = hoodoo("render", scene, "-o", tmp_path / "a.exr").stderr
+    assert "100%" in loud and "\r" not in loud and "\x1b" not in loud
+
+
+def test_quick_is_a_quarter_and_resolution_wins_over_the_scene(scene, tmp_path):
+    def size(*arguments):
+        assert hoodoo("render", scene, "-o", tmp_path / "a.png", "-q", *arguments).returncode == 0
+        header = (tmp_path / "a.png").read_bytes()
+        return int.from_bytes(header[16:20], "big"), int.from_bytes(header[20:24], "big")
+
+    assert size() == (64, 36)
+    assert size("--quick") == (16, 9)
+    assert size("-r", 40, 20) == (40, 20)
+    assert size("--set", "film.width=20") == (20, 36)
+
+
+def test_parameters_and_sets_reach_the_scene(scene):
+    def digest(*arguments):
+        return json.loads(hoodoo("info", scene, *arguments).stdout)["scene_hash"]
+
+    base = digest()
+    assert digest("-D", "height=3") == base
+    assert digest("-D", "height=4") != base
+    assert digest("-Dheight=4") == digest("--set", "camera.eye=[0, -10, 4]") == digest("--define=height=4")
+    assert digest("--seed", 1) != base
+    result = hoodoo("check", scene, "-D", "heigth=4")
+    assert result.returncode == 2 and 'did you mean "height"' in result.stderr
+
+
+def test_info_is_json_on_stdout(scene):
+    result = hoodoo("info", scene)
+    assert result.returncode == 0
+    floor = json.loads(result.stdout)["terrain"]["floor"]
+    assert {"columns", "layers", "stack_bytes", "trace_bytes", "patches", "build_seconds"} <= floor.keys()
+
+
+def test_dry_run_estimates_and_writes_nothing(scene, tmp_path):
+    result = hoodoo("render", scene, "-o", tmp_path / "a.exr", "--dry-run")
+    assert result.returncode == 0, result.stderr
+    assert "64 x 36 pixels, 4 samples" in result.stdout
+    assert [p.name for p in tmp_path.iterdir()] == ["scene.toml"]
+
+
+def test_files_are_read_from_declared_roots_only(scene, tmp_path):
+    config = tmp_path / "data" / "config.ocio"
+    config.parent.mkdir()
+    config.write_bytes((ROOT / "renderer/film/config.ocio").read_bytes())
+    inner = tmp_path / "scenes" / "scene.toml"
+    inner.parent.mkdir()
+    inner.write_text(SCENE.replace("[film]\n", '[film]\ncolorconfig = "../data/config.ocio"\n'))
+    refused = hoodoo("check", inner)
+    assert refused.returncode == 2 and "lies outside the folders" in refused.stderr
+    allowed = hoodoo("check", inner, "--allow-read", config.parent)
+    assert allowed.returncode == 0, allowed.stderr
+
+
+# -- Signals --------------------------------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("number, code", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_stops_the_work_and_leaves_the_old_picture(scene, tmp_path, number, code):
+    target = tmp_path / "a.exr"
+    target.write_bytes(b"the old picture")
+    with subprocess.Popen([HOODOO, "render", scene, "-o", target, "--spp", "1000000", "-t", "1"], stderr=subprocess.PIPE, text=True) as process:
+        time.sleep(2.0)
+        process.send_signal(number)
+        try:
+            _, log = process.communicate(timeout=60)
+        finally:
+            process.kill()
+    assert process.returncode == code, log
+    assert target.read_bytes() == b"the old picture"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.exr", "scene.toml"]
+
+
+def test_a_signal_while_the_scene_is_built_stops_at_once(scene, tmp_path):
+    process = subprocess.Popen([HOODOO, "render", scene, "-o", tmp_path / "a.exr", "--spp", "1000000"], stderr=subprocess.DEVNULL)
+    time.sleep(0.15)
+    process.send_signal(signal.SIGTERM)
+    assert process.wait(timeout=60) in (143, -signal.SIGTERM)   # -15: before main
+    assert not (tmp_path / "a.exr").exists()
+
+
+# -- The schema for editors -----------------------------------------------------------------------------------------------
+
+@pytest.fixture(scope="module")
+def validator():
+    schema = json.loads(hoodoo("schema").stdout)
+    jsonschema.Draft7Validator.check_schema(schema)
+    return jsonschema.Draft7Validator(schema)
+
+
+def all_scenes():
+    return sorted([*(ROOT / "scenes").rglob("*.toml"), *(ROOT / "tests/images").rglob("scene.toml")])
+
+
+@pytest.mark.parametrize("path", all_scenes(), ids=[str(p.relative_to(ROOT)) for p in all_scenes()])
+def test_every_scene_is_valid_for_editors_and_names_its_schema(path, validator):
+    text = path.read_text()
+    errors = [f"{'/'.join(map(str, e.absolute_path))}: {e.message[:200]}" for e in validator.iter_errors(tomllib.loads(text))]
+    assert errors == []
+    if path.is_relative_to(ROOT / "scenes"):
+        header = re.match(r"#:schema (\S+)\n", text)
+        assert header, "the first line is `#:schema PATH`"
+        assert (path.parent / header.group(1)).resolve() == ROOT / "build/hoodoo.schema.json"
+
+
+def test_the_editors_schema_knows_units_expressions_and_parameters(validator):
+    assert list(validator.iter_errors(tomllib.loads(SCENE))) == []
+    more = SCENE.replace("type = \"plane\"", "type = \"plane\"\npoint = [\"10 m\", \"-1.5e1 km\", \"= 2 * height\"]\nseed = 3")
+    more = more.replace("[film]", "hfov_deg = \"= 10 + 3\"\n[film]").replace("spp = 4", "spp = \"${height}\"")
+    assert list(validator.iter_errors(tomllib.loads(more))) == []
+
+
+@pytest.mark.parametrize("old, new", [("width = 64", "widht = 64"), ("width = 64", "width = 0"), ("width = 64", 'width = "64"'), ("version = 1", "version = 2"),
+                                      ('"plane"', '"plain"'), ("grey = 0.5", "gray = 0.5"), ("[film]", "hfov = 40\n[film]"), ("[film]", 'hfov = "40 m"\n[film]'),
+                                      ("target = [0, 0, 0]", "target = [0, 0]"), ("target = [0, 0, 0]\n", "")])
+def test_the_editors_schema_and_the_reader_refuse_the_same(validator, tmp_path, old, new):
+    text = SCENE.replace(old, new)
+    assert text != SCENE
+    assert list(validator.iter_errors(tomllib.loads(text)))
+    path = tmp_path / "scene.toml"
+    path.write_text(text)
+    assert hoodoo("check", path).returncode == 2
+
+
+def test_schema_explains_one_section():
+    result = hoodoo("schema", "film")
+    assert result.returncode == 0 and "width" in result.stdout and "Default 1024" in result.stdout
+    assert hoodoo("schema", "flim").returncode == 2
