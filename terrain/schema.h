@@ -44,7 +44,13 @@ enum class ParameterType {
     tables,     ///< a list of tables ([[...]]), each checked by the member of `items` that `discriminator` chooses
 };
 
-struct Schema;
+struct Parameter;
+
+struct Schema {
+    std::string name;
+    std::string doc;
+    std::vector<Parameter> parameters;
+};
 
 /// A colour as written: three numbers and the space they are in (acescg, lin_rec709, srgb). Converted by the renderer, never assumed.
 struct ColorValue {
@@ -70,12 +76,6 @@ struct Parameter {
     int max_count = 1 << 20;
     std::string discriminator = {};                   ///< tables: the key that names the item's schema
     std::vector<Schema> items = {};                   ///< tables: one schema for each value of the discriminator (exactly one if it is empty)
-};
-
-struct Schema {
-    std::string name;
-    std::string doc;
-    std::vector<Parameter> parameters;
 };
 
 /// Checked values of one table. Getters throw an internal Error on a name the schema does not have: a typing error of ours, not of the user.

@@ -9,6 +9,7 @@
 
 #include <cstdio>
 #include <new>
+#include <tuple>
 
 namespace hoodoo::cli {
 namespace {
@@ -16,6 +17,9 @@ namespace {
 /// All that the options fill in.
 struct Arguments {
     RenderArguments render;
+    ImportArguments import;
+    std::vector<int> subset;
+    std::vector<double> cell, degrees;
     std::vector<std::string> params, sets;
     std::int64_t seed = 0;
     int spp = 0, replicates = 0;
@@ -38,6 +42,8 @@ const CLI::Validator picture_name(
         return known ? std::string() : "a picture ends in .exr or .png, not \"" + name + "\"";
     },
     "FILE.exr|FILE.png", "picture");
+
+const CLI::Validator exr_name([](std::string& name) { return name.ends_with(".exr") ? std::string() : "a height image ends in .exr, not \"" + name + "\""; }, "FILE.exr", "exr");
 
 void add_scene_options(CLI::App& command, Arguments& a)
 {
@@ -67,8 +73,35 @@ void add_render(CLI::App& app, Arguments& a)
     command->add_flag("-n,--dry-run", r.dry_run, "Read and build the scene, estimate time and memory, write nothing");
 }
 
+void add_import_dem(CLI::App& app, Arguments& a)
+{
+    CLI::App* command = app.add_subcommand("import-dem", "Turn an elevation model into a height image in metres with square cells");
+    DemOptions& o = a.import.options;
+    const auto length = [&](const char* flag, double& value, const char* help) { command->add_option(flag, value, help)->check(CLI::PositiveNumber); };
+    command->add_option("input", a.import.input, "NumPy archive (.npz) or any image")->required();
+    command->add_option("-o,--output", a.import.output, "Height image to write (.exr)")->required()->check(exr_name);
+    command->add_option("--array", o.array, "Array of an archive; without it the only one with two dimensions");
+    command->add_flag("--flip", o.flip, "Row 0 of the source is the south");
+    command->add_option("--subset", a.subset, "x0,x1,y0,y1 in source pixels, half-open, row 0 = north")->delimiter(',')->expected(4)->check(CLI::NonNegativeNumber);
+    length("--scale", o.scale, "Metres for the value 1");
+    auto* cell = command->add_option("--cell", a.cell, "Metres between source pixels: one number, or x,y")->delimiter(',')->expected(1, 2)->check(CLI::PositiveNumber);
+    command->add_option("--degrees", a.degrees, "Degrees between source pixels: one number, or x,y")->delimiter(',')->expected(1, 2)->check(CLI::PositiveNumber)->excludes(cell);
+    command->add_option("--latitude", o.latitude, "Of the middle, in degrees; without it from the archive")->check(CLI::Range(-89.0, 89.0));
+    length("--resample", o.resample_to, "Metres between the cells written; without it the smaller of the two spacings");
+    command->add_flag("-q,--quiet", a.import.quiet, "Say nothing but errors");
+}
+
+void finish_import(Arguments& a)
+{
+    DemOptions& o = a.import.options;
+    if (a.subset.size() == 4) o.subset = {a.subset[0], a.subset[1], a.subset[2], a.subset[3]};
+    if (!a.cell.empty()) std::tie(o.cell_x, o.cell_y) = std::pair(a.cell.front(), a.cell.back());
+    if (!a.degrees.empty()) std::tie(o.degrees_x, o.degrees_y) = std::pair(a.degrees.front(), a.degrees.back());
+}
+
 void add_commands(CLI::App& app, Arguments& a)
 {
+    add_import_dem(app, a);
     add_render(app, a);
     add_scene_options(*app.add_subcommand("check", "Read and build a scene, report all its errors"), a);
     add_scene_options(*app.add_subcommand("info", "Print what a scene is made of, as JSON"), a);
@@ -134,6 +167,10 @@ int run(int argc, char** argv)
     if (name == "render") return run_render(arguments.render);
     if (name == "check") return run_check(arguments.render.scene);
     if (name == "info") return run_info(arguments.render.scene);
+    if (name == "import-dem") {
+        finish_import(arguments);
+        return run_import_dem(arguments.import);
+    }
     if (name == "schema") return run_schema(arguments.section);
     return run_version();
 }

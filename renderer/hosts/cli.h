@@ -2,7 +2,9 @@
 #pragma once
 
 #include "renderer/render.h"
+#include "terrain/io/dem.h"
 
+#include <atomic>
 #include <chrono>
 #include <mutex>
 #include <string>
@@ -29,12 +31,19 @@ struct RenderArguments {
     bool dry_run = false;
 };
 
+struct ImportArguments {
+    std::string input, output;
+    DemOptions options;
+    bool quiet = false;
+};
+
 /// Each returns the exit code and throws what it cannot do.
 int run_render(const RenderArguments& arguments);
 int run_check(const SceneArguments& arguments);
 int run_info(const SceneArguments& arguments);
 int run_schema(const std::string& section);
 int run_version();
+int run_import_dem(const ImportArguments& arguments);
 
 /// A bar with the time left on a terminal; elsewhere a plain line for each tenth. On stderr: stdout is for data.
 class Progress {

@@ -209,4 +209,15 @@ int run_version()
     return 0;
 }
 
+int run_import_dem(const ImportArguments& arguments)
+{
+    check_output(arguments.output);
+    const HeightImage heights = import_dem(arguments.input, arguments.options);
+    write_height_image(arguments.output, heights);
+    const auto [low, high] = std::minmax_element(heights.values.begin(), heights.values.end());
+    if (!arguments.quiet)
+        fmt::print(stderr, "wrote {}: {} x {} heights of {:.6g} m, from {:.6g} to {:.6g} m\n", arguments.output, heights.width, heights.height, heights.cell, *low, *high);
+    return 0;
+}
+
 }  // namespace hoodoo::cli
