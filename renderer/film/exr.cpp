@@ -133,13 +133,16 @@ struct AttributeWriter {
     }
 };
 
-Imf::Header make_header(const Image& image)
+Imf::Header make_header(const Image& image, ExrPrecision precision)
 {
     const PixelBounds& d = image.data;
     Imf::Header header(Imath::Box2i({0, 0}, {image.width - 1, image.height - 1}), Imath::Box2i({d.x0, d.y0}, {d.x1 - 1, d.y1 - 1}));
     header.compression() = Imf::ZIP_COMPRESSION;
     const bool radiance_fits_half = fits_half(image);
-    for (const Channel& channel : image.channels) header.channels().insert(channel.name, Imf::Channel(pixel_type(channel.name, radiance_fits_half)));
+    for (const Channel& channel : image.channels) {
+        const Imf::PixelType type = precision == ExrPrecision::full ? Imf::FLOAT : pixel_type(channel.name, radiance_fits_half);
+        header.channels().insert(channel.name, Imf::Channel(type));
+    }
     for (const auto& [name, value] : image.metadata) std::visit(AttributeWriter{header, name}, value);
     return header;
 }
@@ -162,10 +165,9 @@ void write_pixels(const Image& image, const Imf::Header& header, ByteSink& sink)
 }
 
 /// Throws if the file's windows, channels or pixels are not those of the image.
-void verify(const Image& image, const std::string& path)
+void verify(const Image& image, const Imf::Header& expected, const std::string& path)
 {
     Imf::InputFile file(path.c_str());
-    const Imf::Header expected = make_header(image);
     if (file.header().dataWindow() != expected.dataWindow() || file.header().displayWindow() != expected.displayWindow() ||
         !(file.header().channels() == expected.channels()))
         throw std::runtime_error("the header differs");
@@ -217,11 +219,12 @@ void read_metadata(const Imf::Header& header, Image& image)
 
 }  // namespace
 
-void write_exr(const Image& image, const std::string& path)
+void write_exr(const Image& image, const std::string& path, ExrPrecision precision)
 {
     check_shape(image);
+    const Imf::Header header = make_header(image, precision);
     write_atomically(
-        path, [&](ByteSink& sink) { write_pixels(image, make_header(image), sink); }, [&](const std::string& temporary) { verify(image, temporary); });
+        path, [&](ByteSink& sink) { write_pixels(image, header, sink); }, [&](const std::string& temporary) { verify(image, header, temporary); });
 }
 
 Image read_exr(const std::string& path)

@@ -74,7 +74,8 @@ public:
     /// - N, Ng (shading and geometric normal, X Y Z, world space), P (position, X Y Z, metres), albedo (R G B), material.NAME (share in [0, 1]):
     ///   means over the samples that hit, not multiplied by A, 0 on a miss. A mean of unit normals is shorter than 1 where they differ.
     /// - variance (R G B): variance of the pixel mean, (W/m2/sr)^2. +inf where it cannot be known: a single sample or replicate.
-    /// - samples.Y: samples that count (taken minus dropped). cost.Y: mean field evaluations of a sample's whole path.
+    /// - samples.Y: samples that count (taken minus dropped). cost.Y: mean field evaluations of a sample's whole path;
+    ///   the only channel that may depend on the instruction set, because Embree's trees then have another width.
     Image develop() const;
 
 private:

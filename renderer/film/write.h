@@ -8,11 +8,14 @@
 
 namespace hoodoo {
 
+/// standard: half floats where eleven bits are enough for the eye and for compositing. full: floats everywhere, for references of measurements.
+enum class ExrPrecision { standard, full };
+
 /// Writes all channels and the metadata into a single-part OpenEXR file, zip compressed; the data window inside the display window, row 0 on top.
-/// R, G, B, A, N.*, Ng.*, albedo.*, material.* are half floats, everything else floats (ids too: exact below 2^24). R, G, B become floats where a half
-/// would overflow (a visible sun). Metadata: 2, 3, 16 numbers become a vector or a matrix, the 8 of `chromaticities` that attribute, and
-/// `DateTime` (YYYY:MM:DD HH:MM:SS) the standard capDate. Equal images make equal bytes. Atomic and verified; throws Error (file).
-void write_exr(const Image& image, const std::string& path);
+/// At standard precision R, G, B, A, N.*, Ng.*, albedo.*, material.* are half floats, everything else floats (ids too: exact below 2^24). R, G, B become
+/// floats where a half would overflow (a visible sun). Metadata: 2, 3, 16 numbers become a vector or a matrix, the 8 of `chromaticities` that
+/// attribute, and `DateTime` (YYYY:MM:DD HH:MM:SS) the standard capDate. Equal images make equal bytes. Atomic and verified; throws Error (file).
+void write_exr(const Image& image, const std::string& path, ExrPrecision precision = ExrPrecision::standard);
 
 /// Reads a single-part EXR: every channel as floats, in the order of the file (sorted by name), and the metadata of the kinds that write_exr knows.
 /// Throws Error (file).

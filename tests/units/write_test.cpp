@@ -185,6 +185,14 @@ TEST_F(Files, radiance_beyond_half_is_kept_in_floats)
     EXPECT_NE(output_of("exrheader " + path("half.exr")).find("G, 16-bit floating-point"), std::string::npos);
 }
 
+TEST_F(Files, full_precision_keeps_every_bit)
+{
+    const Image meant = picture();
+    write_exr(meant, path("a.exr"), ExrPrecision::full);
+    const Image found = read_exr(path("a.exr"));
+    for (const Channel& channel : meant.channels) EXPECT_EQ(found.find(channel.name)->pixels, channel.pixels) << channel.name;
+}
+
 TEST_F(Files, equal_pictures_are_equal_files)
 {
     write_exr(picture(), path("a.exr"));
