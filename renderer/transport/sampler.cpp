@@ -96,8 +96,9 @@ std::array<double, Sampler::set_size> Sampler::get(std::uint32_t set) const
 {
     const std::uint64_t a = mix64(key_ + set), b = mix64(a), c = mix64(b);
 
-    // Shuffle: scrambling the reversed index keeps aligned blocks of 2^k samples together.
-    const std::uint32_t index = scramble_reversed(sample_, static_cast<std::uint32_t>(a));
+    // Shuffle: each bit of the index depends on the higher ones, so aligned blocks of 2^k samples stay together and sets pair up at random. (Were it the
+    // lower ones, the leading bits of all sets would agree within a pixel.)
+    const std::uint32_t index = scrambled(sample_, static_cast<std::uint32_t>(a));
 
     std::array<std::uint32_t, set_size> x{reverse_bits(index), 0, 0, 0};
     for (unsigned byte = 0; byte < 4; ++byte) {
