@@ -154,7 +154,8 @@ TEST_P(TracerLaws, a_neighbour_changes_nothing)
 
 TEST(Description, a_terrain_keeps_its_seed_whatever_stands_beside_it)
 {
-    const std::string one = "version = 1\n[terrain.hill]\ntype = \"plane\"\n", two = "version = 1\n[terrain.abyss]\ntype = \"plane\"\n[terrain.hill]\ntype = \"plane\"\n";
+    const std::string head = "version = 1\n[camera]\neye = [0, 0, 5]\ntarget = [1, 0, 0]\n", abyss = "[terrain.abyss]\ntype = \"plane\"\n";
+    const std::string hill = "[terrain.hill]\ntype = \"plane\"\n", one = head + hill, two = head + abyss + hill;
     const Description alone = read_scene(one, true), company = read_scene(two, true);
     const auto seed = [](const Description& d, const std::string& name) {
         const auto at = std::find_if(d.terrains.begin(), d.terrains.end(), [&](const DescribedNode& n) { return n.name == name; });
