@@ -57,45 +57,60 @@ ConvolutionField::ConvolutionField(Ground ground, double sigma) : ground_(std::m
     }
 }
 
+namespace {
+
+/// What the kernel sees around a point: the windows of the three axes, x and y in cells, z in units.
+struct View {
+    View(const Ground& ground, double sigma, const Vec3d& p)
+        : half(sigma / ground.stack().cell()), tall(sigma / ground.stack().unit()),
+          x(window((p.x - ground.stack().origin().x) / ground.stack().cell(), half, ground.stack().size().x)),
+          y(window((p.y - ground.stack().origin().y) / ground.stack().cell(), half, ground.stack().size().y)),
+          z((p.z - ground.stack().origin().z) / ground.stack().unit())
+    {
+    }
+    double half, tall;
+    Window x, y;
+    double z;
+};
+
+}  // namespace
+
 double ConvolutionField::value(const Vec3d& p) const
 {
-    const MaterialStack& stack = ground_.stack();
-    const double half = sigma_ / stack.cell(), tall = sigma_ / stack.unit();
-    const Window wx = window((p.x - stack.origin().x) / stack.cell(), half, stack.size().x);
-    const Window wy = window((p.y - stack.origin().y) / stack.cell(), half, stack.size().y);
-    const double z = (p.z - stack.origin().z) / stack.unit();
+    const View v(ground_, sigma_, p);
     double volume = 0.0;
-    for (int j = wy.first; j <= wy.last; ++j) {
+    for (int j = v.y.first; j <= v.y.last; ++j) {
         double row = 0.0;
-        for (int i = wx.first; i <= wx.last; ++i) row += wx.weight(i) * ground_.length(i, j, z - tall, z + tall);
-        volume += wy.weight(j) * row;
+        for (int i = v.x.first; i <= v.x.last; ++i) row += v.x.weight(i) * ground_.length(i, j, v.z - v.tall, v.z + v.tall);
+        volume += v.y.weight(j) * row;
     }
     // f = 1 - V/(4 sigma^3), V in cells^2 units.
-    return std::clamp(1.0 - volume / (4.0 * half * half * tall), -1.0, 1.0);
+    return std::clamp(1.0 - volume / (4.0 * v.half * v.half * v.tall), -1.0, 1.0);
 }
 
 Vec3d ConvolutionField::gradient(const Vec3d& p) const
 {
-    const MaterialStack& stack = ground_.stack();
-    const double half = sigma_ / stack.cell(), tall = sigma_ / stack.unit();
-    const Window wx = window((p.x - stack.origin().x) / stack.cell(), half, stack.size().x);
-    const Window wy = window((p.y - stack.origin().y) / stack.cell(), half, stack.size().y);
-    const double z = (p.z - stack.origin().z) / stack.unit();
-    const double low = z - tall, high = z + tall;
+    const View v(ground_, sigma_, p);
+    const double low = v.z - v.tall, high = v.z + v.tall, begin = std::min(std::max<double>(ground_.floor(), low), high);
     Vec3d g(0.0);
     // dV/dx = sum_j w_j (D_right,j - D_left,j), dV/dy likewise, dV/dz = sum_ij w_i w_j (g_ij(z + sigma) - g_ij(z - sigma)).
-    for (int j = wy.first; j <= wy.last; ++j) g.x += wy.weight(j) * (ground_.length(wx.last, j, low, high) - ground_.length(wx.first, j, low, high));
-    for (int i = wx.first; i <= wx.last; ++i) g.y += wx.weight(i) * (ground_.length(i, wy.last, low, high) - ground_.length(i, wy.first, low, high));
-    for (int j = wy.first; j <= wy.last; ++j) {
-        for (int i = wx.first; i <= wx.last; ++i) {
+    for (int j = v.y.first; j <= v.y.last; ++j) {
+        const double wy = v.y.weight(j), side_y = (j == v.y.last) - (j == v.y.first);
+        for (int i = v.x.first; i <= v.x.last; ++i) {
+            double d = 0.0, from = begin;
             int change = 0;
-            ground_.for_each_run(i, j, [&](Run run) {
-                change += (run.bottom <= high && high < run.top) - (run.bottom <= low && low < run.top);
+            ground_.for_each_layer(i, j, [&](std::int32_t bottom, std::int32_t top, bool in) {
+                const double to = std::min(std::max<double>(top, low), high);
+                d += in ? to - from : 0.0;
+                from = to;
+                change += in * ((bottom <= high) & (high < top)) - in * ((bottom <= low) & (low < top));
             });
-            g.z += wx.weight(i) * wy.weight(j) * change;
+            const double wx = v.x.weight(i), side_x = (i == v.x.last) - (i == v.x.first);
+            g += Vec3d(side_x * wy * d, side_y * wx * d, wx * wy * change);
         }
     }
-    const double scale = -1.0 / (4.0 * half * half * tall);
+    const MaterialStack& stack = ground_.stack();
+    const double scale = -1.0 / (4.0 * v.half * v.half * v.tall);
     return Vec3d(g.x / stack.cell(), g.y / stack.cell(), g.z / stack.unit()) * scale;
 }
 

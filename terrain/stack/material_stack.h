@@ -60,9 +60,12 @@ public:
     /// The packed words of column (i, j), 0 <= i < size.x, 0 <= j < size.y, bottom to top.
     std::span<const std::uint16_t> words(int i, int j) const
     {
-        const Tile& tile = tiles_[static_cast<std::size_t>((j / tile_size) * tiles_x_ + i / tile_size)];
-        const int c = (j % tile_size) * tile_size + i % tile_size;
-        return {tile.words.data() + tile.offsets[static_cast<std::size_t>(c)], static_cast<std::size_t>(tile.offsets[static_cast<std::size_t>(c) + 1] - tile.offsets[static_cast<std::size_t>(c)])};
+        // Unsigned, so that tile and place in it are shifts and masks.
+        const unsigned x = static_cast<unsigned>(i), y = static_cast<unsigned>(j);
+        const Tile& tile = tiles_[y / tile_size * static_cast<unsigned>(tiles_x_) + x / tile_size];
+        const unsigned c = y % tile_size * tile_size + x % tile_size;
+        const std::size_t from = tile.offsets[c], to = tile.offsets[c + 1];
+        return {tile.words.data() + from, to - from};
     }
     static Material material_of(std::uint16_t word) { return static_cast<Material>(word & 7u); }
     static std::int32_t top_of(std::uint16_t word) { return word >> 3; }
@@ -111,44 +114,48 @@ public:
     Border border() const { return border_; }
     std::int32_t floor() const { return border_ == Border::cut ? -base_ : bottomless; }
 
-    /// Calls visit(Run) for each maximal run of column (i, j), bottom to top. Runs do not touch. The lowest begins at floor() if bedrock is in the set.
+    /// Calls visit(bottom, top, is_matter) for each layer of column (i, j), bottom to top, the implicit base first; air above the last is left out.
     template <class Visit>
-    void for_each_run(int i, int j, Visit&& visit) const
+    void for_each_layer(int i, int j, Visit&& visit) const
     {
         const Vec2i n = stack_->size();
         if (border_ == Border::cut && (i < 0 || j < 0 || i >= n.x || j >= n.y)) return;
         i = i < 0 ? 0 : i >= n.x ? n.x - 1 : i;
         j = j < 0 ? 0 : j >= n.y ? n.y - 1 : j;
-        const bool base = contains(Material::bedrock) && floor() < 0;
-        Run run{base ? floor() : 0, 0};
-        bool open = base;
+        visit(floor(), 0, contains(Material::bedrock));
         std::int32_t below = 0;
         for (const std::uint16_t word : stack_->words(i, j)) {
-            const bool in = contains(MaterialStack::material_of(word));
-            if (in && !open) run.bottom = below;
-            if (!in && open) visit(Run{run.bottom, below});
-            open = in;
-            below = MaterialStack::top_of(word);
+            const std::int32_t top = MaterialStack::top_of(word);
+            visit(below, top, contains(MaterialStack::material_of(word)));
+            below = top;
         }
-        if (open) visit(Run{run.bottom, below});
+    }
+
+    /// Calls visit(Run) for each maximal run of column (i, j), bottom to top. Runs do not touch. The lowest begins at floor() if bedrock is in the set.
+    template <class Visit>
+    void for_each_run(int i, int j, Visit&& visit) const
+    {
+        Run run{0, 0};
+        bool open = false;
+        for_each_layer(i, j, [&](std::int32_t bottom, std::int32_t top, bool in) {
+            if (top == bottom) return;
+            if (in && !open) run.bottom = bottom;
+            if (!in && open) visit(Run{run.bottom, bottom});
+            open = in;
+            run.top = top;
+        });
+        if (open) visit(run);
     }
 
     /// Length of matter of column (i, j) between the heights `low` and `high`, in units above the stack's origin. low <= high.
     double length(int i, int j, double low, double high) const
     {
-        const Vec2i n = stack_->size();
-        if (border_ == Border::cut && (i < 0 || j < 0 || i >= n.x || j >= n.y)) return 0.0;
-        i = i < 0 ? 0 : i >= n.x ? n.x - 1 : i;
-        j = j < 0 ? 0 : j >= n.y ? n.y - 1 : j;
-        const double below_zero = std::min(std::max(0.0, low), high);
-        double sum = contains(Material::bedrock) ? below_zero - std::min(std::max<double>(floor(), low), high) : 0.0;
-        double from = below_zero;
-        for (const std::uint16_t word : stack_->words(i, j)) {
-            if (from >= high) break;
-            const double to = std::min(std::max<double>(MaterialStack::top_of(word), low), high);
-            if (contains(MaterialStack::material_of(word))) sum += to - from;
+        double sum = 0.0, from = std::min(std::max<double>(floor(), low), high);
+        for_each_layer(i, j, [&](std::int32_t, std::int32_t top, bool in) {
+            const double to = std::min(std::max<double>(top, low), high);
+            sum += in ? to - from : 0.0;
             from = to;
-        }
+        });
         return sum;
     }
 

@@ -12,73 +12,72 @@ namespace hoodoo {
 
 namespace {
 
-/// Walks a column's layers upwards, the implicit ones and the border rule included.
-class Cursor {
+/// A layer as far as it lies in the kernel's heights: it ends at `top`, or at the kernel's upper end.
+struct Part {
+    double top;
+    Material material;
+};
+
+/// All columns of the kernel's window, clipped to its heights, one after another: each is read once and then compared with its neighbours.
+class Clipped {
 public:
-    Cursor(const Ground& ground, int i, int j, double from) : floor_(ground.floor())
+    Clipped(double low, double high, std::size_t columns) : low_(low), high_(high)
+    {
+        parts_.reserve(4 * columns);
+        begins_.reserve(columns + 1);
+        begins_.push_back(0);
+    }
+
+    void add(const Ground& ground, int i, int j)
     {
         const Vec2i n = ground.stack().size();
-        if (ground.border() == Border::cut && (i < 0 || j < 0 || i >= n.x || j >= n.y)) {
-            material_ = Material::air;
-            top_ = kInfinity;
-            return;
+        if (ground.border() == Border::extend || (i >= 0 && j >= 0 && i < n.x && j < n.y)) {
+            put(Material::air, ground.floor());
+            put(Material::bedrock, 0.0);
+            for (const std::uint16_t word : ground.stack().words(std::clamp(i, 0, n.x - 1), std::clamp(j, 0, n.y - 1))) {
+                put(MaterialStack::material_of(word), MaterialStack::top_of(word));
+            }
         }
-        words_ = ground.stack().words(std::clamp(i, 0, n.x - 1), std::clamp(j, 0, n.y - 1));
-        while (top_ <= from) advance();
+        put(Material::air, kInfinity);
+        begins_.push_back(parts_.size());
+        full_ = false;
     }
 
-    Material material() const { return material_; }
-    double top() const { return top_; }
-
-    /// To the next layer with a height; air without end comes last.
-    void advance()
-    {
-        if (below_floor_) {
-            below_floor_ = false;
-            material_ = Material::bedrock;
-            top_ = 0.0;
-        } else if (!words_.empty()) {
-            material_ = MaterialStack::material_of(words_.front());
-            top_ = MaterialStack::top_of(words_.front());
-            words_ = words_.subspan(1);
-        } else {
-            material_ = Material::air;
-            top_ = kInfinity;
-        }
-    }
+    std::span<const Part> column(std::size_t k) const { return {parts_.data() + begins_[k], begins_[k + 1] - begins_[k]}; }
 
 private:
-    double floor_;
-    std::span<const std::uint16_t> words_;
-    bool below_floor_ = true;
-    Material material_ = Material::air;
-    double top_ = floor_;
+    void put(Material material, double top)
+    {
+        if (full_ || top <= low_) return;
+        full_ = top >= high_;
+        parts_.push_back({full_ ? high_ : top, material});
+    }
+
+    double low_, high_;
+    bool full_ = false;   ///< the column under way has reached the upper end
+    std::vector<Part> parts_;
+    std::vector<std::size_t> begins_;
 };
 
 class Areas {
 public:
-    Areas(const Ground& ground, MaterialSet opaque, double low, double high) : ground_(ground), opaque_(opaque), low_(low), high_(high) {}
+    Areas(MaterialSet opaque, double low) : opaque_(opaque), low_(low) {}
 
-    void add_horizontal(int i, int j, double area)
+    void add_horizontal(std::span<const Part> column, double area)
     {
-        Cursor c(ground_, i, j, low_);
-        Material below = c.material();
-        for (; c.top() < high_; below = c.material()) {
-            const bool interior = c.top() > low_;
-            c.advance();
-            if (interior) add(below, c.material(), area);
-        }
+        for (std::size_t k = 1; k < column.size(); ++k) add(column[k - 1].material, column[k].material, area);
     }
 
-    void add_vertical(int i, int j, int i2, int j2, double area_per_unit)
+    void add_vertical(std::span<const Part> one, std::span<const Part> other, double area_per_unit)
     {
-        Cursor a(ground_, i, j, low_), b(ground_, i2, j2, low_);
-        for (double z = low_; z < high_;) {
-            const double to = std::min({a.top(), b.top(), high_});
-            add(a.material(), b.material(), (to - z) * area_per_unit);
+        double z = low_;
+        for (std::size_t a = 0, b = 0; a < one.size() && b < other.size();) {
+            const double to = std::min(one[a].top, other[b].top);
+            add(one[a].material, other[b].material, (to - z) * area_per_unit);
             z = to;
-            if (a.top() <= z) a.advance();
-            if (b.top() <= z) b.advance();
+            const bool next = one[a].top <= other[b].top;
+            b += other[b].top <= one[a].top;
+            a += next;
         }
     }
 
@@ -91,9 +90,8 @@ private:
         if (is_opaque(a) != is_opaque(b)) sums[static_cast<std::size_t>(is_opaque(a) ? a : b)] += area;
     }
 
-    const Ground& ground_;
     MaterialSet opaque_;
-    double low_, high_;
+    double low_;
 };
 
 }  // namespace
@@ -104,13 +102,21 @@ std::array<double, kMaterialCount> visible_areas(const Ground& ground, MaterialS
     const double s = stack.cell(), half = sigma / s;
     const Window x = window((p.x - stack.origin().x) / s, half, stack.size().x), y = window((p.y - stack.origin().y) / s, half, stack.size().y);
     const double z = (p.z - stack.origin().z) / stack.unit(), tall = sigma / stack.unit();
-    Areas areas(ground, opaque, z - tall, z + tall);
+    const std::size_t width = static_cast<std::size_t>(x.last - x.first + 1), depth = static_cast<std::size_t>(y.last - y.first + 1);
+    Clipped columns(z - tall, z + tall, width * depth);
     for (int j = y.first; j <= y.last; ++j) {
-        for (int i = x.first; i <= x.last; ++i) areas.add_horizontal(i, j, x.weight(i) * y.weight(j) * s * s);
-        for (int i = x.first; i < x.last; ++i) areas.add_vertical(i, j, i + 1, j, y.weight(j) * s * stack.unit());
+        for (int i = x.first; i <= x.last; ++i) columns.add(ground, i, j);
     }
-    for (int i = x.first; i <= x.last; ++i) {
-        for (int j = y.first; j < y.last; ++j) areas.add_vertical(i, j, i, j + 1, x.weight(i) * s * stack.unit());
+    Areas areas(opaque, z - tall);
+    for (std::size_t j = 0; j < depth; ++j) {
+        const double wy = y.weight(y.first + static_cast<int>(j));
+        for (std::size_t i = 0; i < width; ++i) {
+            const double wx = x.weight(x.first + static_cast<int>(i));
+            const std::span<const Part> here = columns.column(j * width + i);
+            areas.add_horizontal(here, wx * wy * s * s);
+            if (i + 1 < width) areas.add_vertical(here, columns.column(j * width + i + 1), wy * s * stack.unit());
+            if (j + 1 < depth) areas.add_vertical(here, columns.column((j + 1) * width + i), wx * s * stack.unit());
+        }
     }
     return areas.sums;
 }

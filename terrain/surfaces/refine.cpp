@@ -1,5 +1,5 @@
 // A bracket around a known near-root, grown until the signs differ, then shrunk by the Illinois rule: secant steps that cannot stall (Dowell1971).
-// The first half-width is what the known |f| <= error means along the ray, error / |df/dt|; it doubles up to 1e-3 of the caller's scale.
+// The first half-width is what the known |f| <= error means where the field changes by 1 in `scale`; it doubles up to 1e-3 of the scale.
 // Rounding of the point itself, a few 2^-53 of its coordinates, is part of the stated error. Missing: tangent rays have no bracket; they keep their t.
 #include "terrain/surfaces/refine.h"
 
@@ -13,8 +13,7 @@ Refined refine_crossing(const Field& field, const Ray& ray, double t, double val
     const double rounding = 4 * 0x1p-52 * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z) + std::abs(ray.origin.x) + std::abs(ray.origin.y) + std::abs(ray.origin.z) + t);
     const auto f = [&](double s) { return field.value(ray.at(s)); };
     const double most = std::max(1e-3 * scale, 4 * rounding);
-    const double slope = std::abs(field.gradient(p).dot(ray.direction));
-    double half = std::max({slope > 0.0 ? value_error / slope : 0.0, 1e-9 * scale, 2 * rounding});
+    double half = std::max({value_error * scale, 1e-9 * scale, 2 * rounding});
     half = std::min(half, most);
     double a = t - half, b = t + half, fa = f(a), fb = f(b);
     const auto crosses = [&] { return ray.crossing == Crossing::entering ? fa >= 0.0 && fb < 0.0 : (fa < 0.0) != (fb < 0.0); };
