@@ -6,7 +6,7 @@
 // Deviations: no histogram transform (Heitz2018), so that a blend of very skewed colours can leave [0, 1] (the look clamps); no rotation of tiles, since
 // rock and ripples have a direction.
 // Filtering: the width of the footprint is given as explicit derivatives; MIP levels are those of the file, or made by the cache. Averages must be of
-// linear numbers, so an sRGB image is read through an adaptor that undoes the curve (IEC 61966-2-1) before anything is averaged.
+// linear numbers, so an sRGB image is read through an adaptor that undoes the curve (IEC 61966-2-1) and shows the cache the finest level alone.
 // Safety: formats are whitelisted, sizes checked against the file's own bytes before anything is allocated, and every pixel is read once here, so
 // that a truncated file is an error before the first ray and not a hole in the picture.
 
@@ -54,15 +54,16 @@ public:
 
     bool seek_subimage(int subimage, int miplevel) override
     {
-        if (subimage != 0 || !file_ || !file_->seek_subimage(subimage, miplevel)) return false;
-        level_ = miplevel;
+        // Only the finest level: the others of a file in sRGB are averages of codes, so the cache makes its own.
+        if (subimage != 0 || miplevel != 0 || !file_ || !file_->seek_subimage(0, 0)) return false;
         m_spec = file_->spec();
         m_spec.set_format(OIIO::TypeDesc::HALF);
         m_spec.channelformats.clear();
+        m_spec.erase_attribute("textureformat");   // with it the cache would take the one level for all there is to want
         return true;
     }
     int current_subimage() const override { return 0; }
-    int current_miplevel() const override { return level_; }
+    int current_miplevel() const override { return 0; }
 
     bool read_native_scanline(int subimage, int miplevel, int y, int, void* data) override
     {
@@ -93,7 +94,6 @@ private:
     }
 
     std::unique_ptr<OIIO::ImageInput> file_;
-    int level_ = 0;
 };
 
 [[noreturn]] void fail(const std::string& path, const Source& where, const std::string& what, std::string expected = {}, std::string got = {})

@@ -131,6 +131,33 @@ def test_every_row_of_the_catalogue_is_listed_and_a_wrong_one_is_named():
         hoodoo.field("plane")
 
 
+FLAT = dict(columns=[8, 8], cell=1.0, sigma=1.0, layer=[dict(shape="flat", top=10.0, material="bedrock")])
+
+
+def test_a_field_of_the_catalogue_answers_like_any_other():
+    # Flat ground up to z = 10: of the cube 8.5 to 10.5 three quarters are matter, f = 1 - 6 / 4.
+    field = hoodoo.field("convolution", **FLAT)
+    np.testing.assert_allclose(field.value([[4, 4, 10.0], [4, 4, 9.5], [4, 4, 20.0]]), [0.0, -0.5, 1.0], atol=1e-9)
+    np.testing.assert_allclose(field.gradient([4, 4, 10.0]), [0, 0, 1], atol=1e-9)
+    with pytest.raises(hoodoo.Error, match="sigm"):
+        hoodoo.field("convolution", sigm=1.0, **FLAT)
+
+
+def test_a_scene_hands_out_the_field_its_rays_meet(scene_file):
+    text = SCENE.split("[terrain.floor]")[0] + "[light.sky]\ntype = 'constant'\nradiance = { grey = 1.0 }\n[terrain.flat]\ntype = 'convolution'\n"
+    scene = hoodoo.load(text, {f"terrain.flat.{key}": value for key, value in FLAT.items()} | {"camera.eye": (0, -20, 40)})
+    field = scene.field("flat")
+    hit = scene.intersect([[3.3, 4.2, 30.0]], [[0.1, -0.1, -1.0]])
+    assert abs(field.value(hit["position"])[0]) < 1e-4
+    del scene
+    gc.collect()
+    assert field.value([4, 4, 10.0]) == pytest.approx(0.0, abs=1e-9)   # the field keeps its scene alive
+    with pytest.raises(hoodoo.Error, match="no field"):
+        hoodoo.load(scene_file).field("floor")
+    with pytest.raises(hoodoo.Error, match="no terrain"):
+        hoodoo.load(scene_file).field("flor")
+
+
 # -- scenes ----------------------------------------------------------------------------------------------------------
 
 

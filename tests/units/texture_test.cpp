@@ -3,15 +3,19 @@
 #include "renderer/shading/texture.h"
 
 #include "terrain/math/hash.h"
+#include "tests/counts.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 
 using namespace hoodoo;
+
+using hoodoo::testing::count;
 
 namespace {
 
@@ -131,6 +135,16 @@ TEST_F(TextureFile, wide_footprints_average_linear_numbers)
     EXPECT_NEAR(srgb.mean().y, 0.2514f, 0.001f);
 }
 
+TEST_F(TextureFile, levels_that_a_tool_averaged_in_srgb_are_made_anew)
+{
+    // maketx averages the codes: its coarser levels of these stripes hold 94, which is 0.1119 and not 0.2514.
+    const std::string path = write("a.tif", tiff(64, 64, [](int x, int) { return std::array<int, 3>{x % 2 * 188, x % 2 * 188, x % 2 * 188}; }));
+    const std::string tiled = (folder_ / "a.tx").string();
+    if (std::system(("maketx --wrap periodic " + path + " -o " + tiled + " > /dev/null 2>&1").c_str()) != 0) GTEST_SKIP() << "needs maketx of openimageio-tools";
+    const Texture texture(tiled, {.encoding = TextureEncoding::srgb, .stochastic = false}, {});
+    for (const double footprint : {0.1, 0.3, 0.9}) EXPECT_NEAR(texture.lookup(Vec2d(0.31, 0.64), footprint).x, 0.2514f, 0.005f) << footprint;
+}
+
 TEST_F(TextureFile, hex_tiling_keeps_mean_and_variance_and_forgets_the_period)
 {
     // White noise of period one repeat. With the plain image the correlation at a lag of one repeat is 1; with hashed tiles it is that of chance.
@@ -213,6 +227,24 @@ TEST_F(TextureFile, bad_files_are_errors_with_the_position_in_the_scene)
     const std::string good = quarters();
     for (int i = 1; i < 20; ++i) error_of(write("cut.tif", good.substr(0, good.size() * static_cast<std::size_t>(i) / 20)));   // any answer but a signal
     EXPECT_NE(error_of(write("half.tif", good.substr(0, good.size() / 2))), "no error");
+}
+
+TEST_F(TextureFile, a_flipped_byte_is_an_error_or_another_picture_and_never_a_crash)
+{
+    const std::string good = quarters();
+    int errors = 0;
+    const int rounds = count(200, 1000);
+    for (int i = 0; i < rounds; ++i) {
+        // Half of the flips hit the directory at the end, where the sizes are.
+        const std::uint64_t h = hash_cell(8, i, 0);
+        const std::size_t directory = good.size() - 120;
+        const std::size_t at = i % 2 ? directory + h % 120 : h % good.size();
+        std::string bytes = good;
+        bytes[at] = static_cast<char>(bytes[at] ^ (1 + (h >> 32) % 255));
+        errors += error_of(write("flipped.tif", bytes)) != "no error";
+    }
+    EXPECT_GT(errors, 10);
+    EXPECT_LT(errors, rounds);
 }
 
 TEST_F(TextureFile, bombs_are_refused_before_anything_is_allocated)
