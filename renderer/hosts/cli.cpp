@@ -3,6 +3,7 @@
 #include "renderer/hosts/cli.h"
 
 #include "terrain/isa.h"
+#include "terrain/schema_values.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -73,18 +74,26 @@ void add_render(CLI::App& app, Arguments& a)
     command->add_flag("-n,--dry-run", r.dry_run, "Read and build the scene, estimate time and memory, write nothing");
 }
 
+/// "30 m" -> "30": lengths carry units here as they do in scenes.
+const CLI::Validator in_metres(
+    [](std::string& text) {
+        if (const auto metres = parse_quantity(text, ParameterType::length)) text = fmt::format("{}", *metres);
+        return std::string();
+    },
+    "", "metres");
+
 void add_import_dem(CLI::App& app, Arguments& a)
 {
     CLI::App* command = app.add_subcommand("import-dem", "Turn an elevation model into a height image in metres with square cells");
     DemOptions& o = a.import.options;
-    const auto length = [&](const char* flag, double& value, const char* help) { command->add_option(flag, value, help)->check(CLI::PositiveNumber); };
+    const auto length = [&](const char* flag, double& value, const char* help) { command->add_option(flag, value, help)->transform(in_metres)->check(CLI::PositiveNumber); };
     command->add_option("input", a.import.input, "NumPy archive (.npz) or any image")->required();
     command->add_option("-o,--output", a.import.output, "Height image to write (.exr)")->required()->check(exr_name);
     command->add_option("--array", o.array, "Array of an archive; without it the only one with two dimensions");
     command->add_flag("--flip", o.flip, "Row 0 of the source is the south");
     command->add_option("--subset", a.subset, "x0,x1,y0,y1 in source pixels, half-open, row 0 = north")->delimiter(',')->expected(4)->check(CLI::NonNegativeNumber);
     length("--scale", o.scale, "Metres for the value 1");
-    auto* cell = command->add_option("--cell", a.cell, "Metres between source pixels: one number, or x,y")->delimiter(',')->expected(1, 2)->check(CLI::PositiveNumber);
+    auto* cell = command->add_option("--cell", a.cell, "Metres between source pixels: one number, or x,y")->delimiter(',')->expected(1, 2)->transform(in_metres)->check(CLI::PositiveNumber);
     command->add_option("--degrees", a.degrees, "Degrees between source pixels: one number, or x,y")->delimiter(',')->expected(1, 2)->check(CLI::PositiveNumber)->excludes(cell);
     command->add_option("--latitude", o.latitude, "Of the middle, in degrees; without it from the archive")->check(CLI::Range(-89.0, 89.0));
     length("--resample", o.resample_to, "Metres between the cells written; without it the smaller of the two spacings");

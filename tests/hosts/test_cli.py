@@ -4,10 +4,13 @@ import os
 import pathlib
 import re
 import resource
+import shutil
 import signal
+import struct
 import subprocess
 import time
 import tomllib
+import zipfile
 
 import jsonschema
 import pytest
@@ -225,6 +228,55 @@ def test_files_are_read_from_declared_roots_only(scene, tmp_path):
     assert refused.returncode == 2 and "lies outside the folders" in refused.stderr
     allowed = hoodoo("check", inner, "--allow-read", config.parent)
     assert allowed.returncode == 0, allowed.stderr
+
+
+# -- Elevation models -----------------------------------------------------------------------------------------------------
+
+def write_npz(path, name, rows):
+    """A NumPy archive of one float32 array, without NumPy."""
+    header = f"{{'descr': '<f4', 'fortran_order': False, 'shape': ({len(rows)}, {len(rows[0])}), }}"
+    header += " " * ((-11 - len(header)) % 64) + "\n"
+    body = b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header.encode()
+    body += b"".join(struct.pack("<f", x) for row in rows for x in row)
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(name + ".npy", body)
+
+
+def test_import_dem_writes_a_height_image_that_a_scene_can_use(tmp_path):
+    write_npz(tmp_path / "dem.npz", "elevation", [[100.0 + x + 2 * y for x in range(24)] for y in range(16)])
+    result = hoodoo("import-dem", tmp_path / "dem.npz", "-o", tmp_path / "dem.exr", "--cell", "30 m")
+    assert result.returncode == 0, result.stderr
+    assert "24 x 16 heights of 30 m, from 100 to 153 m" in result.stderr   # 100 + 23 + 2 * 15 = 153
+    assert hoodoo("import-dem", tmp_path / "dem.npz", "-o", tmp_path / "part.exr", "--cell", "0.03 km", "--subset", "0,8,4,16", "-q").stderr == ""
+    (tmp_path / "dem.toml").write_text(SCENE.replace('type = "plane"\nmaterial = "sand"', 'type = "convolution"\n[[terrain.floor.layer]]\nshape = "image"\nfile = "dem.exr"\nmaterial = "bedrock"'))
+    info = hoodoo("info", tmp_path / "dem.toml", "-D", "height=1000")
+    assert info.returncode == 0, info.stderr
+    assert json.loads(info.stdout)["terrain"]["floor"]["columns"] == 24 * 16
+
+
+@pytest.mark.parametrize("arguments, code", [(["none.npz", "-o", "a.exr"], 3), (["dem.txt", "-o", "a.exr"], 3), (["dem.txt", "-o", "a.png"], 2), (["dem.txt"], 2),
+                                             (["dem.txt", "-o", "a.exr", "--cell", "-1"], 2), (["dem.txt", "-o", "none/a.exr"], 3)])
+def test_import_dem_refuses_what_it_cannot_use(tmp_path, arguments, code):
+    (tmp_path / "dem.txt").write_text("no image")
+    result = hoodoo("import-dem", *arguments, cwd=tmp_path)
+    assert result.returncode == code, result.stderr
+    assert not (tmp_path / "a.exr").exists()
+
+
+# -- Old processors -------------------------------------------------------------------------------------------------------
+
+def test_the_processor_is_checked_before_any_library_runs_and_by_code_that_every_processor_has():
+    assert "PREINIT_ARRAY" in subprocess.run(["readelf", "-d", HOODOO], capture_output=True, text=True, check=True).stdout
+    listing = subprocess.run(["objdump", "-d", "--no-show-raw-insn", "-C", HOODOO], capture_output=True, text=True, check=True).stdout
+    body = re.search(r"<[^>]*check_processor\([^\n]*>:\n(.*?)\n\n", listing, re.S).group(1)
+    assert "_exit" in body
+    assert not re.search(r"\t(v\w+|andn|bextr|blsi|blsr|shlx|shrx|sarx|rorx|mulx|pdep|pext)\s", body), body
+
+
+@pytest.mark.skipif(shutil.which("qemu-x86_64") is None, reason="qemu-user is not installed")
+def test_a_processor_without_the_baseline_gets_a_sentence():
+    result = subprocess.run(["qemu-x86_64", "-cpu", "Nehalem", HOODOO, "version"], capture_output=True, text=True, timeout=300)
+    assert result.returncode == 1 and "this processor lacks instructions" in result.stderr
 
 
 # -- Signals --------------------------------------------------------------------------------------------------------------
