@@ -209,7 +209,7 @@ bool has_material(const MaterialStack& stack, Material material)
 Shape make_convolution(const Values& values, const BuildContext& context)
 {
     const auto start = std::chrono::steady_clock::now();
-    if (context.progress) context.progress(0.0, context.name + ": layers");
+    if (context.progress) context.progress(0.0, "layers");
     const std::shared_ptr<const MaterialStack> stack = make_stack(values, context);
     const double sigma = values.has("sigma") ? values.number("sigma") : stack->cell() * values.number("sigma_cells");
     if (!(sigma <= 64.0 * stack->cell())) throw values.problem(values.has("sigma") ? "sigma" : "sigma_cells", "the kernel is too wide", "at most 64 cells");
@@ -223,7 +223,7 @@ Shape make_convolution(const Values& values, const BuildContext& context)
     if (!(base <= 1e6)) throw values.problem("base", "the base of the block is too thick", "at most 1e6 height units");
     const Border border = cut ? Border::cut : Border::extend;
 
-    if (context.progress) context.progress(0.3, context.name + ": surface");
+    if (context.progress) context.progress(0.3, "surface");
     auto surface = std::make_unique<ConvolutionSurface>(stack, values.number("normal_width") * stack->cell());
     const Ground ground(stack, set, border, static_cast<std::int32_t>(base));
     surface->add_body(ground, sigma, choose_intersector(values, ground, sigma));
