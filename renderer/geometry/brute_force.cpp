@@ -3,10 +3,13 @@
 #include "renderer/geometry/tracer.h"
 #include "renderer/geometry/triangle.h"
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
-class BruteForceTracer final : public Tracer {
+class BruteForceTracer final : public Tracer
+{
 public:
     explicit BruteForceTracer(std::span<const Shape> shapes) : Tracer(shapes) {}
 
@@ -75,6 +78,9 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Tracer> make_brute_force_tracer(std::span<const Shape> shapes) { return std::make_unique<BruteForceTracer>(shapes); }
+std::unique_ptr<Tracer> make_brute_force_tracer(std::span<const Shape> shapes)
+{
+    return std::make_unique<BruteForceTracer>(shapes);
+}
 
 }  // namespace hoodoo

@@ -7,13 +7,18 @@
 
 #include "renderer/geometry/triangle.h"
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 /// Embree's assertions accept components up to 1.8e18 (its FLT_LARGE); terrains end long before.
 constexpr double kLargest = 1e18;
 
-bool is_small(const Vec3d& v) { return std::abs(v.x) < kLargest && std::abs(v.y) < kLargest && std::abs(v.z) < kLargest; }
+bool is_small(const Vec3d& v)
+{
+    return std::abs(v.x) < kLargest && std::abs(v.y) < kLargest && std::abs(v.z) < kLargest;
+}
 
 }  // namespace
 
@@ -28,9 +33,15 @@ bool Tracer::passes_gate(const Ray& ray) const
     return false;
 }
 
-TraceHit Tracer::intersect(const Ray& ray) const { return passes_gate(ray) ? find_nearest(ray) : TraceHit{}; }
+TraceHit Tracer::intersect(const Ray& ray) const
+{
+    return passes_gate(ray) ? find_nearest(ray) : TraceHit{};
+}
 
-bool Tracer::occluded(const Ray& ray) const { return passes_gate(ray) && find_any(ray); }
+bool Tracer::occluded(const Ray& ray) const
+{
+    return passes_gate(ray) && find_any(ray);
+}
 
 Interaction Tracer::interact(const Ray& ray, const TraceHit& hit) const
 {

@@ -8,22 +8,25 @@
 #include <span>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// The winner of a ray over all objects: small; Tracer::interact tells the rest.
 struct TraceHit {
     double t = kInfinity;
-    std::uint32_t object = 0;        ///< index into the shapes the tracer was built from
-    PatchId patch;                   ///< of a Surface; for a mesh `index` is the triangle
-    Vec2d barycentric{0.0};          ///< mesh only
-    std::uint32_t evaluations = 0;   ///< cost of the ray, set on a miss too
-    bool valid = false;              ///< whether anything was hit
+    std::uint32_t object = 0;       ///< index into the shapes the tracer was built from
+    PatchId patch;                  ///< of a Surface; for a mesh `index` is the triangle
+    Vec2d barycentric{0.0};         ///< mesh only
+    std::uint32_t evaluations = 0;  ///< cost of the ray, set on a miss too
+    bool valid = false;             ///< whether anything was hit
 };
 
 /// Immutable after construction, thread-safe. Keeps references to the shapes: they must outlive it.
 /// Every ray passes one gate: a ray that is not finite or has a coordinate beyond 1e18, whose direction is not of unit length within 1e-3, whose
-/// interval is negative or empty, or whose time is outside [0, 1] is counted and answered as a miss. It never reaches Embree, whose assertions would end the process.
-class Tracer {
+/// interval is negative or empty, or whose time is outside [0, 1] is counted and answered as a miss. It never reaches Embree, whose assertions would
+/// end the process.
+class Tracer
+{
 public:
     virtual ~Tracer() = default;
     TraceHit intersect(const Ray& ray) const;

@@ -2,16 +2,18 @@
 //
 // The three edge functions of a shared edge are the same numbers with the opposite sign in both triangles (no contraction to fused operations),
 // and zero counts as inside: hence no gap. Deviation: the paper falls back to double precision where a function is zero; here all is double.
-// The error bound of a hit follows Higham2002, section 3.5 (products and sums in sequence): each coordinate of the position is a sum of three products of rounded vertices, so it
-// is off by at most gamma(8) times the sum of their magnitudes.
+// The error bound of a hit follows Higham2002, section 3.5 (products and sums in sequence): each coordinate of the position is a sum of three
+// products of rounded vertices, so it is off by at most gamma(8) times the sum of their magnitudes.
 
 #include "renderer/geometry/triangle.h"
 
 #include <algorithm>
 #include <utility>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 /// Vertices in world space.
 std::array<Vec3d, 3> corners(const TriangleMesh& mesh, std::size_t triangle)
@@ -30,9 +32,15 @@ std::array<unsigned, 3> permutation(const Vec3d& d)
     return {kx, ky, kz};
 }
 
-double gamma(int n) { return n * 0x1p-53 / (1.0 - n * 0x1p-53); }
+double gamma(int n)
+{
+    return n * 0x1p-53 / (1.0 - n * 0x1p-53);
+}
 
-double magnitude(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+double magnitude(const Vec3d& v)
+{
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
 
 }  // namespace
 
@@ -90,7 +98,7 @@ Interaction interact_triangle(const TriangleMesh& mesh, std::size_t triangle, co
     it.shading_normal = it.geometric_normal;
     if (!mesh.normals.empty()) {
         const Vec3d n = Vec3d(mesh.normals[index[0]]) * b0 + Vec3d(mesh.normals[index[1]]) * b1 + Vec3d(mesh.normals[index[2]]) * b2;
-        if (n.length() > 1e-6) it.shading_normal = n.normalized();   // shorter: opposite normals, which have no mean
+        if (n.length() > 1e-6) it.shading_normal = n.normalized();  // shorter: opposite normals, which have no mean
         if (it.shading_normal.dot(it.geometric_normal) < 0.0) it.shading_normal = -it.shading_normal;
     }
     if (!mesh.uvs.empty()) it.uv = Vec2d(mesh.uvs[index[0]]) * b0 + Vec2d(mesh.uvs[index[1]]) * b1 + Vec2d(mesh.uvs[index[2]]) * b2;

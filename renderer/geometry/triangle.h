@@ -5,11 +5,12 @@
 
 #include <optional>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 struct TriangleHit {
-    double t = kInfinity;        ///< metres along the ray, in the ray's open interval
-    Vec2d barycentric{0.0};      ///< weights of vertices 1 and 2, as Embree gives them
+    double t = kInfinity;    ///< metres along the ray, in the ray's open interval
+    Vec2d barycentric{0.0};  ///< weights of vertices 1 and 2, as Embree gives them
 };
 
 /// Both sides count, whatever ray.crossing says: a mesh need not be closed. Watertight: a ray through a shared edge or corner meets at least one

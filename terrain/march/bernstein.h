@@ -3,7 +3,8 @@
 
 #include <array>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Coefficients of the Bernstein polynomials of degree 3.
 using Cubic = std::array<double, 4>;

@@ -12,8 +12,10 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 /// f - delta along a vertical line: linear between knots, constant outside.
 struct Profile {
@@ -69,7 +71,7 @@ Profile make_profile(const Ground& ground, const KernelFrame& frame, double x, d
     return p;
 }
 
-using Corners = std::array<const Profile*, 4>;   ///< x fast
+using Corners = std::array<const Profile*, 4>;  ///< x fast
 
 /// Heights at which one profile passes +- rounding: between neighbours in the list each profile keeps its state.
 void add_passages(const Profile& p, std::vector<double>& heights)
@@ -105,13 +107,17 @@ void undecided(const Corners& corners, std::vector<double>& heights, std::vector
     };
     const double hair = 1e-9 * (1.0 + std::max(std::abs(heights.front()), std::abs(heights.back())));
     const auto append = [&](double lo, double hi) {
-        if (!ranges.empty() && lo - hair <= ranges.back().hi) ranges.back().hi = hi + hair;
-        else ranges.push_back({lo - hair, hi + hair});
+        if (!ranges.empty() && lo - hair <= ranges.back().hi)
+            ranges.back().hi = hi + hair;
+        else
+            ranges.push_back({lo - hair, hi + hair});
     };
     append(heights.front(), heights.front());
     for (std::size_t k = 1; k < heights.size(); ++k) {
-        if (heights[k] - heights[k - 1] <= 2.0 * hair || !decided(0.5 * (heights[k - 1] + heights[k]))) append(heights[k - 1], heights[k]);
-        else append(heights[k], heights[k]);
+        if (heights[k] - heights[k - 1] <= 2.0 * hair || !decided(0.5 * (heights[k - 1] + heights[k])))
+            append(heights[k - 1], heights[k]);
+        else
+            append(heights[k], heights[k]);
     }
 }
 
@@ -121,7 +127,8 @@ struct Slopes {
 };
 
 /// Reads a profile upwards from a height.
-class Cursor {
+class Cursor
+{
 public:
     Cursor(const Profile& p, double z) : p_(p), k_(static_cast<std::size_t>(std::upper_bound(p.z.begin(), p.z.end(), z) - p.z.begin())) {}
     double next() const { return k_ < p_.z.size() ? p_.z[k_] : kInfinity; }
@@ -175,7 +182,8 @@ float outwards(double v, double scale)
     return static_cast<float>(v + 1e-6 * (std::abs(v) + std::abs(scale)) * (scale < 0.0 ? -1.0 : 1.0));
 }
 
-class TileBuilder {
+class TileBuilder
+{
 public:
     TileBuilder(const Ground& ground, const KernelFrame& frame, const TileLines& lines) : frame_(frame), lines_(lines)
     {
@@ -295,7 +303,10 @@ std::vector<double> axis_lines(const KernelFrame& frame, double lo, double hi)
 
 }  // namespace
 
-TileLines tile_lines(const KernelFrame& frame, const Vec2d& lo, const Vec2d& hi) { return {axis_lines(frame, lo.x, hi.x), axis_lines(frame, lo.y, hi.y)}; }
+TileLines tile_lines(const KernelFrame& frame, const Vec2d& lo, const Vec2d& hi)
+{
+    return {axis_lines(frame, lo.x, hi.x), axis_lines(frame, lo.y, hi.y)};
+}
 
 std::vector<Brick> make_bricks(const Ground& ground, const KernelFrame& frame, const TileLines& lines, int edge)
 {

@@ -6,14 +6,15 @@
 #include <array>
 #include <cstdint>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// A box that may hold surface: lines lx[x0]..lx[x1] by ly[y0]..ly[y1] of its tile, z0..z1, all in frame units. Outside all boxes of a tile the field
 /// is on one side by more than KernelFrame::rounding.
 struct Brick {
     double z0, z1;
     std::uint16_t x0, x1, y0, y1;
-    std::array<float, 3> slope_lo, slope_hi;   ///< of the gradient's components in the box, rounded outwards; per frame unit
+    std::array<float, 3> slope_lo, slope_hi;  ///< of the gradient's components in the box, rounded outwards; per frame unit
 };
 
 /// The lines of a tile across which the field bends, its own border included, ascending.

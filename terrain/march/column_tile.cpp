@@ -11,8 +11,10 @@
 #include <array>
 #include <cstring>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 constexpr std::size_t kLanes = 4;
 
@@ -34,8 +36,14 @@ inline Lanes load(const std::int32_t* from)
     return __builtin_convertvector(v, Lanes);
 }
 
-inline Lanes spread(double x) { return Lanes{x, x, x, x}; }
-inline double total(const Lanes& v) { return (v[0] + v[1]) + (v[2] + v[3]); }
+inline Lanes spread(double x)
+{
+    return Lanes{x, x, x, x};
+}
+inline double total(const Lanes& v)
+{
+    return (v[0] + v[1]) + (v[2] + v[3]);
+}
 
 /// max(0, min(top, high) - low) of each lane.
 inline Lanes filled(const Lanes& top, const Lanes& high, const Lanes& low)
@@ -45,12 +53,16 @@ inline Lanes filled(const Lanes& top, const Lanes& high, const Lanes& low)
 }
 
 /// Part of [bottom, top] that a column's run [low, high] fills.
-inline double filled(double low, double high, double bottom, double top) { return std::max(0.0, std::min(high, top) - std::max(low, bottom)); }
+inline double filled(double low, double high, double bottom, double top)
+{
+    return std::max(0.0, std::min(high, top) - std::max(low, bottom));
+}
 
 }  // namespace
 
 /// Overlaps along x, padded with zeros to whole lanes. Small kernels need no heap.
-class ColumnTile::Weights {
+class ColumnTile::Weights
+{
 public:
     Weights(const KernelFrame& frame, double x, int first, int last)
     {
@@ -82,12 +94,15 @@ private:
 };
 
 /// Heights in ascending order.
-class ColumnTile::Bends {
+class ColumnTile::Bends
+{
 public:
     void add(double z)
     {
-        if (count_ < small_.size()) small_[count_++] = z;
-        else add_large(z);
+        if (count_ < small_.size())
+            small_[count_++] = z;
+        else
+            add_large(z);
     }
     void sort() { std::sort(begin(), begin() + count_); }
     std::size_t size() const { return count_; }
@@ -120,8 +135,10 @@ ColumnTile::ColumnTile(const Ground& ground, Vec2i from, Vec2i to) : from_(from)
             std::int32_t base = floor;
             if (i < to.x) {
                 ground.for_each_run(i, j, [&](const Run& run) {
-                    if (run.bottom == floor) base = run.top;
-                    else runs_.push_back({run.bottom, run.top, i});
+                    if (run.bottom == floor)
+                        base = run.top;
+                    else
+                        runs_.push_back({run.bottom, run.top, i});
                 });
             }
             base_.push_back(base);
@@ -139,7 +156,8 @@ std::uint64_t ColumnTile::memory_bytes() const
 Vec3d ColumnTile::confine(const KernelFrame& frame, const Vec3d& p) const
 {
     constexpr double hair = 1e-6;
-    return {std::clamp(p.x, from_.x + frame.reach, to_.x - frame.reach - hair), std::clamp(p.y, from_.y + frame.reach, to_.y - frame.reach - hair), p.z};
+    return {std::clamp(p.x, from_.x + frame.reach, to_.x - frame.reach - hair), std::clamp(p.y, from_.y + frame.reach, to_.y - frame.reach - hair),
+            p.z};
 }
 
 double ColumnTile::value(const KernelFrame& frame, const Vec3d& where) const
@@ -160,7 +178,8 @@ double ColumnTile::value(const KernelFrame& frame, const Vec3d& where) const
         Lanes lane{};
         for (std::size_t k = 0; k < n; k += kLanes) lane += load(wx + k) * filled(load(base + k), high, low);
         sum += lane * wy;
-        for (std::uint32_t r = offset_[row]; r < offset_[row + n]; ++r) others += wy * wx[runs_[r].column - i0] * filled(runs_[r].bottom, runs_[r].top, bottom, top);
+        for (std::uint32_t r = offset_[row]; r < offset_[row + n]; ++r)
+            others += wy * wx[runs_[r].column - i0] * filled(runs_[r].bottom, runs_[r].top, bottom, top);
     }
     return 1.0 - frame.scale * (total(sum) + others) - KernelFrame::delta;
 }

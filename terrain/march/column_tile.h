@@ -6,7 +6,8 @@
 
 #include <cstdint>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// A ray in the frame: position = origin + t * direction, t in metres.
 struct FrameRay {
@@ -22,7 +23,8 @@ struct Start {
 
 /// Runs of matter over a rectangle of columns. The run that begins at the floor is kept apart, one number a column, since most columns have
 /// no other. Immutable after construction.
-class ColumnTile {
+class ColumnTile
+{
 public:
     /// Columns [from, to) along each axis, of any place in the plane.
     ColumnTile(const Ground& ground, Vec2i from, Vec2i to);
@@ -32,16 +34,17 @@ public:
 
     /// The first change of side of f - delta along the ray in (ta, tb), between which the ray meets no line of the lattice (KernelFrame::next_line).
     /// If there is none, `value` is f - delta at tb. Adds the number of sums to `evaluations`.
-    bool first_change(const KernelFrame& frame, const FrameRay& ray, double ta, double tb, Start start, double& t, double& value, std::uint32_t& evaluations) const;
+    bool first_change(const KernelFrame& frame, const FrameRay& ray, double ta, double tb, Start start, double& t, double& value,
+                      std::uint32_t& evaluations) const;
 
     std::uint64_t memory_bytes() const;
 
 private:
     struct PlacedRun {
-        std::int32_t bottom, top, column;   ///< column along x
+        std::int32_t bottom, top, column;  ///< column along x
     };
     struct Window {
-        int i0, i1, j0, j1;   ///< inclusive
+        int i0, i1, j0, j1;  ///< inclusive
     };
     std::size_t index(int i, int j) const { return static_cast<std::size_t>(j - from_.y) * stride_ + static_cast<std::size_t>(i - from_.x); }
     class Weights;
@@ -52,8 +55,8 @@ private:
 
     Vec2i from_, to_;
     std::size_t stride_ = 0;
-    std::vector<std::int32_t> base_;       ///< top of the run that begins at the floor; the floor itself if there is none
-    std::vector<std::uint32_t> offset_;    ///< of a column's other runs; one more at the end
+    std::vector<std::int32_t> base_;     ///< top of the run that begins at the floor; the floor itself if there is none
+    std::vector<std::uint32_t> offset_;  ///< of a column's other runs; one more at the end
     std::vector<PlacedRun> runs_;
 };
 

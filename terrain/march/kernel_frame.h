@@ -6,16 +6,17 @@
 #include <cmath>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Frame coordinates of a point: X = (x - origin.x) / cell, Y likewise, Z = (z - origin.z) / unit: the stack's integers are exact in it.
 struct KernelFrame {
     double cell = 1.0, unit = 1.0;
     Vec3d origin{0.0};
-    double reach = 0.0;    ///< sigma in cells
-    double height = 0.0;   ///< sigma in units
-    double scale = 0.0;    ///< f = 1 - scale * (sum of overlaps, in cells^2 units)
-    double floor = 0.0;    ///< of the ground, in units
+    double reach = 0.0;   ///< sigma in cells
+    double height = 0.0;  ///< sigma in units
+    double scale = 0.0;   ///< f = 1 - scale * (sum of overlaps, in cells^2 units)
+    double floor = 0.0;   ///< of the ground, in units
     /// Matter is f < delta, so that f = 0 on a whole region (a straight wall on a lattice plane, a sheet as thick as sigma) is matter for
     /// every patch alike, whatever rounding does. Far above the rounding of f (1e-13), far below what can be seen.
     static constexpr double delta = 1e-10;

@@ -7,9 +7,9 @@
 // instead, so a root is found as a root of a cubic, a graze is decided by the cubic's coefficients, and every step
 // is longer than a fraction of a cell or passes a crossing: the march ends.
 //
-// Who owns a crossing: the side at both ends of a ray's piece in a brick is decided by one function with the same bits in every brick, at a distance that
-// neighbours compute from the same plane. So a crossing on a shared face is found by one of the two, whatever rounding does.
-// Deviation from Hart1996: bounds are local, directional and two-sided. What is missing: skipping within a brick by levels of detail.
+// Who owns a crossing: the side at both ends of a ray's piece in a brick is decided by one function with the same bits in every brick, at a distance
+// that neighbours compute from the same plane. So a crossing on a shared face is found by one of the two, whatever rounding does. Deviation from
+// Hart1996: bounds are local, directional and two-sided. What is missing: skipping within a brick by levels of detail.
 
 #include "terrain/march/sphere_bricks.h"
 
@@ -21,14 +21,17 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 /// Edge of a brick in cells: smaller ones have tighter slopes and boxes, larger ones are fewer. Measured at 2, 3, 4 and 6: 2 is 1.2 to 1.6 times as
 /// fast as 4 in twice the memory.
 constexpr int kBrickEdge = 2;
 
-/// Steps shorter than this many cells are not worth their evaluation; a look ahead, and a walk over exact pieces if it proves nothing, end the search.
+/// Steps shorter than this many cells are not worth their evaluation; a look ahead, and a walk over exact pieces if it proves nothing, end the
+/// search.
 constexpr double kShortStep = 0.3;
 constexpr double kLookAhead = 0.75;
 
@@ -41,7 +44,44 @@ struct Tile {
     std::unique_ptr<ColumnTile> columns;
 };
 
-class SphereBricks final : public PatchIntersector {
+/// One ray in one brick, and how far it has come.
+struct Passage {
+    FrameRay ray;
+    const ColumnTile* columns = nullptr;
+    double t = 0.0, end = 0.0;  ///< metres
+    double f = 0.0;             ///< at t
+    bool inside = false;        ///< the side at t
+    bool on_surface = false;    ///< t is a crossing: the sign of f there says nothing
+    bool entering = false;
+    double fall = 0.0, rise = 0.0;      ///< bounds of -df/dt and df/dt in the brick
+    double slack = 0.0;                 ///< what rounding of positions, far from the origin, can make of f
+    double t_min = 0.0, t_limit = 0.0;  ///< a hit lies between
+
+    double rate() const { return inside ? rise : fall; }  ///< how fast |f| may shrink ahead
+
+    /// Whether a crossing of the kind looked for lies certainly between t and a later point with this value.
+    bool changes_before(double later) const { return inside ? !entering && f < -slack && later > slack : f > slack && later < -slack; }
+
+    /// Whether f is proved to stay on its side up to a later point with this value: it shrinks at most at `rate` from the near end and at `back` from
+    /// the far one, and those two lines meet above the slack.
+    bool nothing_before(double later, double value) const
+    {
+        if ((value < 0.0) != inside) return false;
+        const double back = inside ? fall : rise, a = std::abs(f) - slack, b = std::abs(value) - slack;
+        return a > 0.0 && b > 0.0 && (back <= 0.0 || a * back + b * rate() > rate() * back * (later - t));
+    }
+
+    /// Whether a change of side at `found` is the hit; sets t_hit if so.
+    bool accepts(double found, double& t_hit) const
+    {
+        if ((inside && entering) || !(found > t_min) || !(found < t_limit)) return false;
+        t_hit = found;
+        return true;
+    }
+};
+
+class SphereBricks final : public PatchIntersector
+{
 public:
     explicit SphereBricks(const ConvolutionField& field) : field_(field), frame_(field)
     {
@@ -159,105 +199,93 @@ private:
         return next;
     }
 
-    /// The first crossing in a brick before t_limit; with `any_hit`, only whether there is one.
-    bool march(PatchId patch, const Ray& world_ray, double t_limit, bool any_hit, double& t_hit, std::uint32_t& evaluations) const
+    /// Cuts the ray to a brick. False if it meets none of it, or nothing can be entered there.
+    bool begin(PatchId patch, const Ray& ray, double t_limit, Passage& p) const
     {
         const Tile& tile = tiles_[patch.tile];
         const Brick& b = tile.bricks[patch.index];
-        const FrameRay ray{frame_.point(world_ray.origin), frame_.direction(world_ray.direction)};
-
-        // Bounds of -df/dt and df/dt in the brick.
-        double fall = 0.0, rise = 0.0;
+        p.columns = tile.columns.get();
+        p.ray = {frame_.point(ray.origin), frame_.direction(ray.direction)};
+        p.entering = ray.crossing == Crossing::entering;
+        p.t_min = p.t = ray.t_min, p.t_limit = p.end = t_limit;
         for (int k = 0; k < 3; ++k) {
             const auto i = static_cast<std::size_t>(k);
-            const double p = ray.direction[k] * b.slope_lo[i], q = ray.direction[k] * b.slope_hi[i];
-            fall -= std::min(p, q), rise += std::max(p, q);
+            const double u = p.ray.direction[k] * b.slope_lo[i], v = p.ray.direction[k] * b.slope_hi[i];
+            p.fall -= std::min(u, v), p.rise += std::max(u, v);
         }
-        const bool entering = world_ray.crossing == Crossing::entering;
-        if (entering && fall <= 0.0) return false;
-
-        double t = world_ray.t_min, end = t_limit;
-        if (!clip(ray, {tile.lines.x[b.x0], tile.lines.y[b.y0], b.z0}, {tile.lines.x[b.x1], tile.lines.y[b.y1], b.z1}, t, end)) return false;
-        const ColumnTile& columns = *tile.columns;
-        // What rounding of the positions, far from the origin, can make of f.
-        double slack = KernelFrame::rounding;
+        if (p.entering && p.fall <= 0.0) return false;
+        if (!clip(p.ray, {tile.lines.x[b.x0], tile.lines.y[b.y0], b.z0}, {tile.lines.x[b.x1], tile.lines.y[b.y1], b.z1}, p.t, p.end)) return false;
+        p.slack = KernelFrame::rounding;
         for (int k = 0; k < 3; ++k) {
             const auto i = static_cast<std::size_t>(k);
-            slack += 0x1p-50 * (std::abs(ray.origin[k]) + end * std::abs(ray.direction[k])) * std::max(std::abs(b.slope_lo[i]), std::abs(b.slope_hi[i]));
+            const double steepest = std::max(std::abs(b.slope_lo[i]), std::abs(b.slope_hi[i]));
+            p.slack += 0x1p-50 * (std::abs(p.ray.origin[k]) + p.end * std::abs(p.ray.direction[k])) * steepest;
         }
-        evaluations += 2;
-        double f = columns.value(frame_, ray.at(t));
-        const double f_end = columns.value(frame_, ray.at(end));
-        bool inside = f < 0.0, on_surface = false;
-        // Whoever asks only whether there is a crossing need not know where.
-        const auto certain = [&](double later) { return any_hit && !(entering && inside) && (inside ? f < -slack && later > slack : f > slack && later < -slack); };
-        for (;;) {
-            if (certain(f_end)) return true;
-            // How fast |f| may shrink forwards, and backwards from a later point.
-            const double rate = inside ? rise : fall, back = inside ? fall : rise;
-            if (rate <= 0.0) return false;
-            const double step = std::max(0.0, std::abs(f) - slack) / rate;
-            if (t + step >= end || no_crossing(inside, f, f_end, rate, back, end - t, slack)) return false;
-            // Each turn moves on by at least one unit in the last place, however far away the ray began.
-            const double least = std::nextafter(t, kInfinity);
-            if (step >= kShortStep * frame_.cell) {
-                t = std::max(t + step, least);
-                ++evaluations;
-                f = columns.value(frame_, ray.at(t));
-                continue;
-            }
-
-            // Look a little ahead: both ends together often prove what one cannot.
-            const double ahead = std::min(std::max(t + kLookAhead * frame_.cell, least), end);
-            double f_ahead = f_end;
-            if (ahead < end) {
-                ++evaluations;
-                f_ahead = columns.value(frame_, ray.at(ahead));
-            }
-            if (certain(f_ahead)) return true;
-            if (!on_surface && no_crossing(inside, f, f_ahead, rate, back, ahead - t, slack)) {
-                t = ahead;
-                f = f_ahead;
-                continue;
-            }
-
-            // The exact pieces, from line to line.
-            while (t < ahead) {
-                const double stop = next_line(ray, t, ahead);
-                double found = 0.0;
-                if (!columns.first_change(frame_, ray, t, stop, {inside, on_surface}, found, f, evaluations)) {
-                    t = stop;
-                    on_surface = false;
-                    continue;
-                }
-                if (accept(inside, entering, found, world_ray, t_limit, t_hit)) return true;
-                // Go on behind the crossing, on its other side.
-                t = std::max(found, least);
-                f = 0.0;
-                inside = !inside;
-                on_surface = true;
-                break;
-            }
-            if (t < end) continue;
-            // At the brick's own end the common function decides the side.
-            return (f_end < 0.0) != inside && accept(inside, entering, end, world_ray, t_limit, t_hit);
-        }
-    }
-
-    /// Whether f, of one sign at both ends of a piece of this length, is proved to keep it: it shrinks at most at `rate` from the near end and
-    /// at `back` from the far one, and those two lines meet above the slack.
-    static bool no_crossing(bool inside, double near, double far, double rate, double back, double length, double slack)
-    {
-        if ((far < 0.0) != inside) return false;
-        const double a = std::abs(near) - slack, b = std::abs(far) - slack;
-        return a > 0.0 && b > 0.0 && (back <= 0.0 || a * back + b * rate > rate * back * length);
-    }
-
-    static bool accept(bool inside, bool entering, double t, const Ray& ray, double t_limit, double& t_hit)
-    {
-        if ((inside && entering) || !(t > ray.t_min) || !(t < t_limit)) return false;
-        t_hit = t;
         return true;
+    }
+
+    /// The first crossing in a brick before t_limit; with `any_hit`, only whether there is one.
+    bool march(PatchId patch, const Ray& world_ray, double t_limit, bool any_hit, double& t_hit, std::uint32_t& evaluations) const
+    {
+        Passage p;
+        if (!begin(patch, world_ray, t_limit, p)) return false;
+        const auto value = [&](double t) {
+            ++evaluations;
+            return p.columns->value(frame_, p.ray.at(t));
+        };
+        p.f = value(p.t);
+        p.inside = p.f < 0.0;
+        const double f_end = value(p.end);
+        while (p.t < p.end) {
+            // Whoever asks only whether there is a crossing need not know where.
+            if (any_hit && p.changes_before(f_end)) return true;
+            if (p.rate() <= 0.0) return false;
+            const double step = std::max(0.0, std::abs(p.f) - p.slack) / p.rate();
+            if (p.t + step >= p.end || p.nothing_before(p.end, f_end)) return false;
+            // Each turn moves on by at least one unit in the last place, however far away the ray began.
+            const double least = std::nextafter(p.t, kInfinity);
+            if (step >= kShortStep * frame_.cell) {
+                p.t = std::max(p.t + step, least);
+                p.f = value(p.t);
+                p.on_surface = false;
+                continue;
+            }
+            // Look a little ahead: both ends together often prove what one cannot. Else walk there.
+            const double ahead = std::min(std::max(p.t + kLookAhead * frame_.cell, least), p.end);
+            const double f_ahead = ahead < p.end ? value(ahead) : f_end;
+            if (any_hit && p.changes_before(f_ahead)) return true;
+            if (p.nothing_before(ahead, f_ahead)) {
+                p.t = ahead;
+                p.f = f_ahead;
+                p.on_surface = false;
+            } else if (walk(p, ahead, t_hit, evaluations)) {
+                return true;
+            }
+        }
+        // At the brick's own end the common function decides the side.
+        return (f_end < 0.0) != p.inside && p.accepts(p.end, t_hit);
+    }
+
+    /// The exact pieces from line to line, up to `ahead` or the first crossing. True if that is the one looked for.
+    bool walk(Passage& p, double ahead, double& t_hit, std::uint32_t& evaluations) const
+    {
+        while (p.t < ahead) {
+            const double stop = next_line(p.ray, p.t, ahead);
+            double found = 0.0;
+            if (!p.columns->first_change(frame_, p.ray, p.t, stop, {p.inside, p.on_surface}, found, p.f, evaluations)) {
+                p.t = stop;
+                p.on_surface = false;
+                continue;
+            }
+            if (p.accepts(found, t_hit)) return true;
+            // Go on behind the crossing, on its other side.
+            p.t = std::max(found, std::nextafter(p.t, kInfinity));
+            p.f = 0.0;
+            p.inside = !p.inside;
+            p.on_surface = true;
+            return false;
+        }
+        return false;
     }
 
     static constexpr double farthest = 1e30;  ///< metres; beyond it a product of distance and direction is no position
@@ -271,6 +299,9 @@ private:
 
 }  // namespace
 
-std::unique_ptr<PatchIntersector> make_sphere_bricks(const ConvolutionField& field) { return std::make_unique<SphereBricks>(field); }
+std::unique_ptr<PatchIntersector> make_sphere_bricks(const ConvolutionField& field)
+{
+    return std::make_unique<SphereBricks>(field);
+}
 
 }  // namespace hoodoo

@@ -15,8 +15,10 @@
 #include <atomic>
 #include <ostream>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 using testing::count;
 using testing::judge;
@@ -25,7 +27,10 @@ using testing::StackOracle;
 
 enum class Kind { sphere, exact };
 
-std::unique_ptr<PatchIntersector> make(Kind kind, const ConvolutionField& field) { return kind == Kind::sphere ? make_sphere_bricks(field) : make_exact_cells(field); }
+std::unique_ptr<PatchIntersector> make(Kind kind, const ConvolutionField& field)
+{
+    return kind == Kind::sphere ? make_sphere_bricks(field) : make_exact_cells(field);
+}
 
 /// All patches, one by one: nothing that could hide a fault of a box.
 Hit nearest(const PatchIntersector& patches, const Ray& ray)
@@ -41,17 +46,19 @@ Hit nearest(const PatchIntersector& patches, const Ray& ray)
 
 struct Case {
     Kind kind;
-    double sigma;   ///< in cells
+    double sigma;  ///< in cells
     bool rugged;
     Border border;
     friend std::ostream& operator<<(std::ostream& out, const Case& c)
     {
-        return out << (c.kind == Kind::sphere ? "sphere" : "exact") << (c.rugged ? "_rugged" : "_gentle") << "_sigma" << static_cast<int>(100 * c.sigma)
-                   << (c.border == Border::cut ? "_cut" : "");
+        return out << (c.kind == Kind::sphere ? "sphere" : "exact") << (c.rugged ? "_rugged" : "_gentle") << "_sigma"
+                   << static_cast<int>(100 * c.sigma) << (c.border == Border::cut ? "_cut" : "");
     }
 };
 
-class Intersector : public ::testing::TestWithParam<Case> {};
+class Intersector : public ::testing::TestWithParam<Case>
+{
+};
 
 /// What the test of 2e4 rays adds to the field's own error: the rounding of the tester's position.
 double tolerance(const PatchIntersector& patches, const ConvolutionField& field, const Ray& ray, double t)
@@ -74,7 +81,7 @@ TEST_P(Intersector, agrees_with_the_exact_oracle)
     const auto patches = make(c.kind, field);
     const StackOracle oracle(field.ground(), field.sigma());
     std::atomic<int> misses{0}, false_hits{0}, hits{0}, disagreements{0};
-    const int n = count(2500, 12500);   // eight cases an intersector: 2e4 rays, 1e5 nightly
+    const int n = count(2500, 12500);  // eight cases an intersector: 2e4 rays, 1e5 nightly
     tbb::parallel_for(0, n, [&](int k) {
         const Ray ray = testing::test_ray(field, 11, static_cast<std::uint64_t>(k));
         const Hit hit = nearest(*patches, ray);
@@ -83,8 +90,9 @@ TEST_P(Intersector, agrees_with_the_exact_oracle)
         false_hits += verdict.false_hit;
         hits += std::isfinite(hit.t);
         if (verdict.missed || verdict.false_hit) {
-            ADD_FAILURE() << "ray " << k << ": t " << hit.t << (verdict.missed ? " missed the crossing at " : " ") << verdict.at << ", f there " << verdict.value << ", crossing "
-                          << static_cast<int>(ray.crossing) << ", origin " << ray.origin << ", direction " << ray.direction;
+            ADD_FAILURE() << "ray " << k << ": t " << hit.t << (verdict.missed ? " missed the crossing at " : " ") << verdict.at << ", f there "
+                          << verdict.value << ", crossing " << static_cast<int>(ray.crossing) << ", origin " << ray.origin << ", direction "
+                          << ray.direction;
         }
         bool any = false;
         for (std::uint32_t tile = 0; tile < patches->tile_count() && !any; ++tile)

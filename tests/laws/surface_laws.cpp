@@ -9,8 +9,10 @@
 
 #include <algorithm>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 using namespace hoodoo::testing;
 
@@ -22,7 +24,8 @@ TEST(Catalogue, every_row_has_an_instance_for_the_laws)
     }
 }
 
-class SurfaceLaws : public ::testing::TestWithParam<std::size_t> {
+class SurfaceLaws : public ::testing::TestWithParam<std::size_t>
+{
 protected:
     void SetUp() override
     {
@@ -40,20 +43,45 @@ protected:
     std::vector<Ray> rays_;
 };
 
-#define EXPECT_LAW(verdict)                        \
-    do {                                           \
-        const Verdict v = (verdict);               \
-        EXPECT_TRUE(v.holds()) << v.fault;         \
+#define EXPECT_LAW(verdict)                \
+    do {                                   \
+        const Verdict v = (verdict);       \
+        EXPECT_TRUE(v.holds()) << v.fault; \
     } while (false)
 
-TEST_P(SurfaceLaws, enough_rays_hit) { EXPECT_GT(std::count_if(rays_.begin(), rays_.end(), [&](const Ray& r) { return std::isfinite(nearest_hit(surface(), r).t); }), static_cast<long>(rays_.size() / 5)); }
-TEST_P(SurfaceLaws, bounds_contain_hits) { EXPECT_LAW(bounds_contain_hits(surface(), rays_)); }
-TEST_P(SurfaceLaws, nearest_is_nearest) { EXPECT_LAW(nearest_is_nearest(surface(), rays_, instance().trusted)); }
-TEST_P(SurfaceLaws, occluded_agrees) { EXPECT_LAW(occluded_agrees(surface(), rays_)); }
-TEST_P(SurfaceLaws, normals_are_gradients) { EXPECT_LAW(normals_are_gradients(surface(), rays_)); }
-TEST_P(SurfaceLaws, spawned_rays_leave) { EXPECT_LAW(spawned_rays_leave(surface(), rays_)); }
-TEST_P(SurfaceLaws, a_closed_surface_leaks_none) { EXPECT_LAW(closed_leaks_none(surface(), 5, count(2000, 100000))); }
-TEST_P(SurfaceLaws, same_seed_same_bits) { EXPECT_LAW(same_bits(surface(), build_row(instance()).surface(), rays_)); }
+TEST_P(SurfaceLaws, enough_rays_hit)
+{
+    EXPECT_GT(std::count_if(rays_.begin(), rays_.end(), [&](const Ray& r) { return std::isfinite(nearest_hit(surface(), r).t); }),
+              static_cast<long>(rays_.size() / 5));
+}
+TEST_P(SurfaceLaws, bounds_contain_hits)
+{
+    EXPECT_LAW(bounds_contain_hits(surface(), rays_));
+}
+TEST_P(SurfaceLaws, nearest_is_nearest)
+{
+    EXPECT_LAW(nearest_is_nearest(surface(), rays_, instance().trusted));
+}
+TEST_P(SurfaceLaws, occluded_agrees)
+{
+    EXPECT_LAW(occluded_agrees(surface(), rays_));
+}
+TEST_P(SurfaceLaws, normals_are_gradients)
+{
+    EXPECT_LAW(normals_are_gradients(surface(), rays_));
+}
+TEST_P(SurfaceLaws, spawned_rays_leave)
+{
+    EXPECT_LAW(spawned_rays_leave(surface(), rays_));
+}
+TEST_P(SurfaceLaws, a_closed_surface_leaks_none)
+{
+    EXPECT_LAW(closed_leaks_none(surface(), 5, count(2000, 100000)));
+}
+TEST_P(SurfaceLaws, same_seed_same_bits)
+{
+    EXPECT_LAW(same_bits(surface(), build_row(instance()).surface(), rays_));
+}
 
 TEST_P(SurfaceLaws, translation_moves_hits)
 {
@@ -85,7 +113,8 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, SurfaceLaws, ::testing::Range(std::size_t{0}
 // -- Mutants: a law that one of these passes proves nothing -------------------------------------------------------------------------------
 
 /// Passes everything on; each mutant changes one verb.
-class Mutant : public Surface {
+class Mutant : public Surface
+{
 public:
     explicit Mutant(const Surface& s) : s_(s) {}
     std::uint32_t tile_count() const override { return s_.tile_count(); }
@@ -216,7 +245,8 @@ struct OtherBits final : Mutant {
     }
 };
 
-class SteeperField final : public Field {
+class SteeperField final : public Field
+{
 public:
     SteeperField(const Field& f, double slope, double range) : f_(f), slope_(slope), range_(range) {}
     double value(const Vec3d& p) const override { return f_.value(p); }

@@ -15,8 +15,10 @@
 #include <bit>
 #include <cstring>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 using namespace hoodoo::testing;
 
@@ -40,7 +42,8 @@ Ray hostile_ray(std::uint64_t n)
     std::uint64_t h = hash_cell(77, static_cast<std::int64_t>(n), 0);
     const auto bits = [&] { return std::bit_cast<double>(h = mix64(h)); };
     const auto special = [&]() -> double {
-        const double values[] = {0.0, -0.0, 1.0, -1.0, 1e-310, 1e30, -1e30, 1e18, 1.9e18, 1e300, kInfinity, -kInfinity, std::nan(""), 1e-38, 5.0, 0.5};
+        const double values[] = {0.0,    -0.0,  1.0,       -1.0,       1e-310,       1e30,  -1e30, 1e18,
+                                 1.9e18, 1e300, kInfinity, -kInfinity, std::nan(""), 1e-38, 5.0,   0.5};
         return values[(h = mix64(h)) % 16];
     };
     Ray ray;
@@ -110,7 +113,9 @@ Verdict embree_agrees(const std::vector<Shape>& shapes, const std::vector<Ray>& 
     return {};
 }
 
-class TracerLaws : public ::testing::TestWithParam<std::size_t> {};
+class TracerLaws : public ::testing::TestWithParam<std::size_t>
+{
+};
 
 TEST_P(TracerLaws, embree_finds_what_the_loop_finds_near_and_far_from_the_origin)
 {
@@ -207,7 +212,8 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, TracerLaws, ::testing::Range(std::size_t{0},
 /// A surface whose boxes are as tight as the patches, and end where single precision cannot tell: what padding is for.
 TEST(TracerLaws, the_law_of_agreement_fails_for_shrunk_boxes)
 {
-    class Shrunk final : public Surface {
+    class Shrunk final : public Surface
+    {
     public:
         explicit Shrunk(std::unique_ptr<Surface> s) : s_(std::move(s)) {}
         std::uint32_t tile_count() const override { return s_->tile_count(); }

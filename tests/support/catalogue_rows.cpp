@@ -12,8 +12,10 @@
 #include <fstream>
 #include <unistd.h>
 
-namespace hoodoo::testing {
-namespace {
+namespace hoodoo::testing
+{
+namespace
+{
 
 /// A lumpy closed body of 320 triangles, written as PLY once a process.
 const std::string& mesh_path()
@@ -21,9 +23,11 @@ const std::string& mesh_path()
     static const std::string path = [] {
         // An icosahedron, each face split in four, twice; then pushed in and out by a hash of the direction.
         const double g = 0.5 * (1.0 + std::sqrt(5.0));
-        std::vector<Vec3d> v{{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-        std::vector<std::array<int, 3>> f{{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                                          {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8}, {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+        std::vector<Vec3d> v{{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                             {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+        std::vector<std::array<int, 3>> f{{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                                          {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                                          {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
         for (int level = 0; level < 2; ++level) {
             std::vector<std::array<int, 3>> finer;
             std::map<std::pair<int, int>, int> middles;
@@ -40,8 +44,8 @@ const std::string& mesh_path()
         }
         const std::filesystem::path file = std::filesystem::temp_directory_path() / fmt::format("hoodoo_law_mesh_{}.ply", ::getpid());
         std::ofstream out(file);
-        out << "ply\nformat ascii 1.0\nelement vertex " << v.size() << "\nproperty float x\nproperty float y\nproperty float z\nelement face " << f.size()
-            << "\nproperty list uchar int vertex_indices\nend_header\n";
+        out << "ply\nformat ascii 1.0\nelement vertex " << v.size() << "\nproperty float x\nproperty float y\nproperty float z\nelement face "
+            << f.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
         for (std::size_t k = 0; k < v.size(); ++k) {
             const Vec3d p = v[k].normalized() * (4.0 + unit_real(hash_cell(5, static_cast<std::int64_t>(k), 0)));
             out << static_cast<float>(p.x) << ' ' << static_cast<float>(p.y) << ' ' << static_cast<float>(p.z) << '\n';
@@ -52,18 +56,22 @@ const std::string& mesh_path()
     return path;
 }
 
-std::string vector_text(const Vec3d& v) { return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x, v.y, v.z); }
+std::string vector_text(const Vec3d& v)
+{
+    return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x, v.y, v.z);
+}
 
 /// A plateau with a tunnel through it, a cave and an arch: walls, ceilings and thin parts. Moved as a whole.
 std::string carved_block(const Vec3d& shift, const std::string& more)
 {
     const auto at = [&](double x, double y, double z) { return vector_text(Vec3d(x, y, z) + shift); };
-    return fmt::format("columns = [14, 12]\ncell = 0.5\nunit = 0.015625\norigin = {}\n{}\n"
-                       "[[layer]]\nshape = \"flat\"\ntop = 4.0\n[[layer]]\nshape = \"flat\"\nthickness = 0.5\nmaterial = \"sand\"\n"
-                       "[[edit]]\ntool = \"carve\"\npoints = [{}, {}]\nradius = [1.1]\n"
-                       "[[edit]]\ntool = \"carve\"\npoints = [{}]\nradius = [1.6]\n"
-                       "[[edit]]\ntool = \"carve\"\npoints = [{}, {}]\nradius = [0.9, 1.4]\n",
-                       vector_text(shift), more, at(-1, 2.6, 2.2), at(8, 3.4, 2.4), at(5.5, 4.8, 4.6), at(1.6, -1, 4.4), at(2.2, 7, 4.8));
+    return fmt::format(
+        "columns = [14, 12]\ncell = 0.5\nunit = 0.015625\norigin = {}\n{}\n"
+        "[[layer]]\nshape = \"flat\"\ntop = 4.0\n[[layer]]\nshape = \"flat\"\nthickness = 0.5\nmaterial = \"sand\"\n"
+        "[[edit]]\ntool = \"carve\"\npoints = [{}, {}]\nradius = [1.1]\n"
+        "[[edit]]\ntool = \"carve\"\npoints = [{}]\nradius = [1.6]\n"
+        "[[edit]]\ntool = \"carve\"\npoints = [{}, {}]\nradius = [0.9, 1.4]\n",
+        vector_text(shift), more, at(-1, 2.6, 2.2), at(8, 3.4, 2.4), at(5.5, 4.8, 4.6), at(1.6, -1, 4.4), at(2.2, 7, 4.8));
 }
 
 }  // namespace
@@ -71,12 +79,16 @@ std::string carved_block(const Vec3d& shift, const std::string& more)
 const std::vector<RowInstance>& row_instances()
 {
     static const std::vector<RowInstance> rows{
-        {"plane", "plane", [](const Vec3d& s) { return fmt::format("point = {}\nnormal = [0.1, -0.2, 1.0]\nextent = 20.0\n", vector_text(Vec3d(1, 2, 3) + s)); }, 0.7},   // a disc in its box
+        {"plane", "plane",
+         [](const Vec3d& s) { return fmt::format("point = {}\nnormal = [0.1, -0.2, 1.0]\nextent = 20.0\n", vector_text(Vec3d(1, 2, 3) + s)); },
+         0.7},  // a disc in its box
         {"mesh", "mesh", [](const Vec3d& s) { return fmt::format("file = \"{}\"\ntranslate = {}\n", mesh_path(), vector_text(s)); }},
         {"convolution", "convolution_sphere", [](const Vec3d& s) { return carved_block(s, "intersector = \"sphere\"\nsigma_cells = 0.8"); }},
         {"convolution", "convolution_exact", [](const Vec3d& s) { return carved_block(s, "intersector = \"exact\""); }},
-        {"convolution", "convolution_cut_sphere", [](const Vec3d& s) { return carved_block(s, "intersector = \"sphere\"\nborder = \"cut\"\nsigma_cells = 1.5"); }},
-        {"convolution", "convolution_cut_exact", [](const Vec3d& s) { return carved_block(s, "intersector = \"exact\"\nborder = \"cut\"\nsigma_cells = 1.5"); }},
+        {"convolution", "convolution_cut_sphere",
+         [](const Vec3d& s) { return carved_block(s, "intersector = \"sphere\"\nborder = \"cut\"\nsigma_cells = 1.5"); }},
+        {"convolution", "convolution_cut_exact",
+         [](const Vec3d& s) { return carved_block(s, "intersector = \"exact\"\nborder = \"cut\"\nsigma_cells = 1.5"); }},
     };
     return rows;
 }

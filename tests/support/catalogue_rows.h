@@ -8,13 +8,14 @@
 #include <string>
 #include <vector>
 
-namespace hoodoo::testing {
+namespace hoodoo::testing
+{
 
 struct RowInstance {
-    std::string row;                                     ///< name in the catalogue
-    std::string name;                                    ///< of this instance, for the reports
-    std::function<std::string(const Vec3d&)> text;       ///< TOML of the row's parameters, the whole thing moved by a vector
-    double trusted = 1.0;                                ///< middle share of the bounds where contains() knows where the surface ends
+    std::string row;                                ///< name in the catalogue
+    std::string name;                               ///< of this instance, for the reports
+    std::function<std::string(const Vec3d&)> text;  ///< TOML of the row's parameters, the whole thing moved by a vector
+    double trusted = 1.0;                           ///< middle share of the bounds where contains() knows where the surface ends
 };
 
 /// Several instances a row where the row has several ways to be traced.
@@ -23,7 +24,7 @@ const std::vector<RowInstance>& row_instances();
 /// Builds an instance. Throws Error, with the text of all problems, if the parameters do not check. A mesh comes as a MeshSurface.
 struct BuiltRow {
     std::unique_ptr<Shape> shape;
-    std::unique_ptr<Surface> mesh;   ///< the adaptor, if the shape is a mesh
+    std::unique_ptr<Surface> mesh;  ///< the adaptor, if the shape is a mesh
     const Surface& surface() const;
 };
 BuiltRow build_row(const RowInstance& instance, const Vec3d& shift = Vec3d(0.0));

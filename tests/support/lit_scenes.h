@@ -9,10 +9,12 @@
 #include <utility>
 #include <vector>
 
-namespace hoodoo::testing {
+namespace hoodoo::testing
+{
 
 /// The look of a surface of one albedo. `tilt`: the normal is bent by up to this angle (radians), differently at each point.
-class PlainLook final : public Look {
+class PlainLook final : public Look
+{
 public:
     explicit PlainLook(float albedo, double tilt = 0.0, float roughness = 0.0f) : albedo_(albedo), tilt_(tilt), roughness_(roughness) {}
     Appearance appearance(const Interaction& at, double) const override
@@ -35,7 +37,8 @@ private:
 
 /// A hollow sphere of radius 1 around the origin, seen from inside, open where z > `lid`. Its matter is everything outside the sphere, but rays that
 /// leave through the opening meet nothing.
-class Cave final : public Surface {
+class Cave final : public Surface
+{
 public:
     explicit Cave(double lid) : lid_(lid) {}
     std::uint32_t patch_count(std::uint32_t) const override { return 1; }
@@ -45,7 +48,7 @@ public:
         ++hit.evaluations;
         const double b = ray.origin.dot(ray.direction), c = ray.origin.dot(ray.origin) - 1.0, d = b * b - c;
         if (!(d > 0.0)) return false;
-        const double t = -b + std::sqrt(d);   // the exit from the hollow is the entry into matter
+        const double t = -b + std::sqrt(d);  // the exit from the hollow is the entry into matter
         if (!(t > ray.t_min && t < hit.t) || ray.at(t).z > lid_) return false;
         hit.t = t;
         hit.patch = patch;

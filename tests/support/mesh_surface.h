@@ -6,9 +6,11 @@
 
 #include <algorithm>
 
-namespace hoodoo::testing {
+namespace hoodoo::testing
+{
 
-class MeshSurface final : public Surface {
+class MeshSurface final : public Surface
+{
 public:
     explicit MeshSurface(const TriangleMesh& mesh) : mesh_(mesh) {}
     std::uint32_t patch_count(std::uint32_t) const override { return static_cast<std::uint32_t>(mesh_.triangles.size()); }
@@ -35,7 +37,8 @@ public:
     {
         Ray around = ray;
         around.t_min = 0.0, around.t_max = kInfinity;
-        return interact_triangle(mesh_, hit.patch.index, ray, intersect_triangle(mesh_, hit.patch.index, around).value_or(TriangleHit{hit.t, {}}), 0.0);
+        return interact_triangle(mesh_, hit.patch.index, ray, intersect_triangle(mesh_, hit.patch.index, around).value_or(TriangleHit{hit.t, {}}),
+                                 0.0);
     }
     /// Odd number of faces above.
     bool contains(const Vec3d& p) const override

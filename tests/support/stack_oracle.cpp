@@ -9,15 +9,19 @@
 #include <array>
 #include <cmath>
 
-namespace hoodoo::testing {
-namespace {
+namespace hoodoo::testing
+{
+namespace
+{
 
 /// Power-basis cubic in u on [0, 1] through the values at 0, 1/3, 2/3, 1.
 struct Power {
-    double a, b, c, d;   // a + b u + c u^2 + d u^3
+    double a, b, c, d;  // a + b u + c u^2 + d u^3
     explicit Power(const std::array<double, 4>& f)
-        : a(f[0]), b((-11.0 * f[0] + 18.0 * f[1] - 9.0 * f[2] + 2.0 * f[3]) / 2.0),
-          c(9.0 * (2.0 * f[0] - 5.0 * f[1] + 4.0 * f[2] - f[3]) / 2.0), d(9.0 * (-f[0] + 3.0 * f[1] - 3.0 * f[2] + f[3]) / 2.0)
+        : a(f[0]),
+          b((-11.0 * f[0] + 18.0 * f[1] - 9.0 * f[2] + 2.0 * f[3]) / 2.0),
+          c(9.0 * (2.0 * f[0] - 5.0 * f[1] + 4.0 * f[2] - f[3]) / 2.0),
+          d(9.0 * (-f[0] + 3.0 * f[1] - 3.0 * f[2] + f[3]) / 2.0)
     {
     }
     double operator()(double u) const { return a + u * (b + u * (c + u * d)); }
@@ -109,7 +113,8 @@ std::vector<double> StackOracle::breakpoints(const Ray& ray, double t0, double t
         const double d = ray.direction[k];
         if (d == 0.0) continue;
         const double a = o[k] + t0 * d, b = o[k] + t1 * d;
-        const int first = static_cast<int>(std::floor((std::min(a, b) - sigma_) / s)), last = static_cast<int>(std::ceil((std::max(a, b) + sigma_) / s));
+        const int first = static_cast<int>(std::floor((std::min(a, b) - sigma_) / s)),
+                  last = static_cast<int>(std::ceil((std::max(a, b) + sigma_) / s));
         for (int i = first; i <= last; ++i)
             for (const double line : {i * s - sigma_, i * s + sigma_}) lines.push_back((line - o[k]) / d);
     }
@@ -126,7 +131,8 @@ std::vector<double> StackOracle::breakpoints(const Ray& ray, double t0, double t
         for (int j = static_cast<int>(std::floor((m.y - sigma_) / s)); j <= static_cast<int>(std::floor((m.y + sigma_) / s)); ++j) {
             for (int i = static_cast<int>(std::floor((m.x - sigma_) / s)); i <= static_cast<int>(std::floor((m.x + sigma_) / s)); ++i) {
                 ground_.for_each_run(i, j, [&](const Run& run) {
-                    for (const double z : {run.bottom * unit - sigma_, run.bottom * unit + sigma_, run.top * unit - sigma_, run.top * unit + sigma_}) {
+                    for (const double z :
+                         {run.bottom * unit - sigma_, run.bottom * unit + sigma_, run.top * unit - sigma_, run.top * unit + sigma_}) {
                         const double t = (z - o.z) / ray.direction.z;
                         if (t > from && t < to) all.push_back(t);
                     }
@@ -159,7 +165,7 @@ std::vector<CertifiedStretch> StackOracle::stretches(const Ray& ray, double t0, 
         const std::vector<double> parts = monotone_parts(p);
         for (std::size_t k = 0; k + 1 < parts.size(); ++k) {
             const double u0 = parts[k], u1 = parts[k + 1], f0 = p(u0), f1 = p(u1);
-            for (const bool inside : {f0 < f1, f0 >= f1}) {   // in the order of the ray
+            for (const bool inside : {f0 < f1, f0 >= f1}) {  // in the order of the ray
                 const double level = inside ? -margin : margin;
                 const auto beyond = [&](double f) { return inside ? f < level : f > level; };
                 if (!beyond(f0) && !beyond(f1)) continue;

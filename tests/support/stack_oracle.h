@@ -5,21 +5,23 @@
 
 #include <vector>
 
-namespace hoodoo::testing {
+namespace hoodoo::testing
+{
 
 /// A maximal stretch of a ray on which f is certainly on one side: f > margin (air) or f < -margin (matter).
 struct CertifiedStretch {
-    double from, to;   ///< metres along the ray
+    double from, to;  ///< metres along the ray
     bool inside;
-    double depth;      ///< largest |f| certified on it
+    double depth;  ///< largest |f| certified on it
 };
 
 /// Where along a ray the field is certainly positive or negative, from the definition of the field alone.
 ///
 /// All breakpoints are taken: x, y in {grid line +- sigma}, z in {layer bound +- sigma} of the columns near the ray. Between two of them f is a
-/// cubic, fitted through four values of the field summed box by box here; its monotone parts are cut where it passes +-margin, by bisection. A stretch certifies the sign
-/// of f at every point of it. What lies between stretches has |f| <= margin at some places and may be anything there.
-class StackOracle {
+/// cubic, fitted through four values of the field summed box by box here; its monotone parts are cut where it passes +-margin, by bisection. A
+/// stretch certifies the sign of f at every point of it. What lies between stretches has |f| <= margin at some places and may be anything there.
+class StackOracle
+{
 public:
     StackOracle(const Ground& ground, double sigma) : ground_(ground), sigma_(sigma) {}
 
@@ -40,12 +42,12 @@ private:
 };
 
 /// What is wrong with a tracer's answer about a ray. Empty: nothing.
-/// `t`: the reported distance (infinity: a miss). A miss is a change of side of the kind ray.crossing, certified by |f| > error, that ends before t. A false hit: the
-/// field at t is farther from 0 than error.
+/// `t`: the reported distance (infinity: a miss). A miss is a change of side of the kind ray.crossing, certified by |f| > error, that ends before t.
+/// A false hit: the field at t is farther from 0 than error.
 struct RayVerdict {
     bool missed = false, false_hit = false;
-    double at = 0.0;       ///< of the missed crossing
-    double value = 0.0;    ///< f at the reported t
+    double at = 0.0;     ///< of the missed crossing
+    double value = 0.0;  ///< f at the reported t
 };
 RayVerdict judge(const StackOracle& oracle, const Ray& ray, double t, double error);
 

@@ -2,31 +2,17 @@
 
 #include "tests/support/surface_laws.h"
 
-#include "terrain/math/hash.h"
+#include "tests/support/numbers.h"
 
 #include <algorithm>
 #include <cstring>
 #include <optional>
 #include <sstream>
 
-namespace hoodoo::testing {
-namespace {
-
-class Numbers {
-public:
-    Numbers(std::uint64_t seed, std::uint64_t n) : h_(hash_cell(seed, static_cast<std::int64_t>(n), 3)) {}
-    double operator()() { return unit_real(h_ = mix64(h_)); }
-    double between(double a, double b) { return a + (b - a) * (*this)(); }
-    Vec3d direction()
-    {
-        const double z = between(-1.0, 1.0), phi = between(0.0, 6.283185307179586), r = std::sqrt(1.0 - z * z);
-        return {r * std::cos(phi), r * std::sin(phi), z};
-    }
-    Vec3d in(const Box3d& b) { return {between(b.min.x, b.max.x), between(b.min.y, b.max.y), between(b.min.z, b.max.z)}; }
-
-private:
-    std::uint64_t h_;
-};
+namespace hoodoo::testing
+{
+namespace
+{
 
 template <class... Parts>
 Verdict fault(const Ray& ray, const Parts&... parts)
@@ -38,19 +24,16 @@ Verdict fault(const Ray& ray, const Parts&... parts)
     return {out.str()};
 }
 
-PatchId pick_patch(const Surface& surface, Numbers& random)
+/// Rounding of a point ray.at(t), metres.
+double coordinate_rounding(const Ray& ray, double t)
 {
-    for (;;) {
-        const auto tile = static_cast<std::uint32_t>(random() * surface.tile_count());
-        const std::uint32_t n = surface.patch_count(tile);
-        if (n > 0) return {tile, static_cast<std::uint32_t>(random() * n)};
-    }
+    return 0x1p-49 * (ray.origin.length() + std::abs(t));
 }
 
-/// Rounding of a point ray.at(t), metres.
-double coordinate_rounding(const Ray& ray, double t) { return 0x1p-49 * (ray.origin.length() + std::abs(t)); }
-
-double size_of(const Surface& surface) { return surface_bounds(surface).size().length(); }
+double size_of(const Surface& surface)
+{
+    return surface_bounds(surface).size().length();
+}
 
 /// Searches [a, b] for a change of side certified by |f| > margin. The slope bound prunes; a piece too short to decide is left undecided.
 std::optional<double> certified_change(const Field& field, const Ray& ray, double a, double fa, double b, double fb, double margin, int depth)
@@ -95,7 +78,8 @@ std::optional<double> earlier_change(const Surface& surface, const Ray& ray, dou
     if (!part) return std::nullopt;
     const double a = part->lo, b = std::min(part->hi, t);
     if (!(a < b)) return std::nullopt;
-    if (const Field* field = surface.field()) return certified_change(*field, ray, a, field->value(ray.at(a)), b, field->value(ray.at(b)), margin, 16);
+    if (const Field* field = surface.field())
+        return certified_change(*field, ray, a, field->value(ray.at(a)), b, field->value(ray.at(b)), margin, 16);
     constexpr int samples = 400;
     bool before = surface.contains(ray.at(a));
     const double hair = 1e-6 * size_of(surface);
@@ -109,63 +93,6 @@ std::optional<double> earlier_change(const Surface& surface, const Ray& ray, dou
 }
 
 }  // namespace
-
-Box3d surface_bounds(const Surface& surface)
-{
-    Box3d box;
-    for (std::uint32_t tile = 0; tile < surface.tile_count(); ++tile)
-        for (std::uint32_t i = 0; i < surface.patch_count(tile); ++i) box.extendBy(surface.patch_bounds({tile, i}));
-    return box;
-}
-
-Hit nearest_hit(const Surface& surface, const Ray& ray)
-{
-    Hit hit;
-    hit.t = ray.t_max;
-    bool found = false;
-    for (std::uint32_t tile = 0; tile < surface.tile_count(); ++tile)
-        for (std::uint32_t i = 0; i < surface.patch_count(tile); ++i) found = surface.intersect({tile, i}, ray, hit) || found;
-    if (!found) hit.t = kInfinity;
-    return hit;
-}
-
-std::vector<Ray> law_rays(const Surface& surface, std::uint64_t seed, int count)
-{
-    const double size = size_of(surface);
-    std::vector<Ray> rays;
-    for (int n = 0; n < count; ++n) {
-        Numbers random(seed, static_cast<std::uint64_t>(n));
-        Ray ray;
-        ray.crossing = random() < 0.5 ? Crossing::any : Crossing::entering;
-        ray.direction = random.direction();
-        if (n % 10 == 4) {
-            ray.direction = Vec3d(0.0);
-            ray.direction[static_cast<int>(3.0 * random())] = random() < 0.5 ? 1.0 : -1.0;
-        }
-        ray.origin = random.in(surface.patch_bounds(pick_patch(surface, random))) - ray.direction * (size * random() * random());
-        if (n % 10 < 2 || n % 10 == 3) {
-            Ray probe = ray;
-            probe.crossing = Crossing::any;
-            const Hit hit = nearest_hit(surface, probe);
-            if (std::isfinite(hit.t)) {
-                const Interaction at = surface.interact(probe, hit);
-                if (n % 10 < 2) {
-                    Vec3d u, v;
-                    orthonormal_frame(at.geometric_normal, u, v);
-                    const double phi = random.between(0.0, 6.283185307179586);
-                    ray.direction = (u * std::cos(phi) + v * std::sin(phi) + at.geometric_normal * random.between(-0.0199, 0.0199)).normalized();
-                    ray.origin = at.position - ray.direction * (0.3 * size * random() * random());
-                } else {
-                    ray.direction = random.direction();
-                    ray.origin = at.position - ray.direction * (0.01 * size * random());
-                }
-            }
-        }
-        if (random() < 0.1) ray.t_max = size * random() + 1e-9;
-        rays.push_back(ray);
-    }
-    return rays;
-}
 
 Verdict bounds_contain_hits(const Surface& surface, const std::vector<Ray>& rays)
 {
@@ -201,7 +128,8 @@ Verdict nearest_is_nearest(const Surface& surface, const std::vector<Ray>& rays,
             const double allowed = at.position_error + coordinate_rounding(ray, hit.t);
             if (!((at.position - ray.at(at.t)).length() <= allowed + 1e-9 * size)) return fault(ray, "position is off the ray at ", at.t);
             // With a field, what a graze is worth is decided by the field's value below.
-            if (std::abs(at.t - hit.t) > allowed + (surface.field() ? 2e-3 : 1e-7) * size) return fault(ray, "hit at ", hit.t, " is not where the interaction is: ", at.t);
+            if (std::abs(at.t - hit.t) > allowed + (surface.field() ? 2e-3 : 1e-7) * size)
+                return fault(ray, "hit at ", hit.t, " is not where the interaction is: ", at.t);
             if (const Field* field = surface.field()) {
                 const double slope = field->slope_bound({ray.at(hit.t - allowed), ray.at(hit.t + allowed)});
                 const double f = field->value(ray.at(hit.t));
@@ -209,7 +137,8 @@ Verdict nearest_is_nearest(const Surface& surface, const std::vector<Ray>& rays,
                 margin = std::max(margin, 2.0 * slope * allowed);
             }
         }
-        if (const auto earlier = earlier_change(surface, ray, hit.t, margin, trusted)) return fault(ray, "a crossing after ", *earlier, " was missed; reported t ", hit.t);
+        if (const auto earlier = earlier_change(surface, ray, hit.t, margin, trusted))
+            return fault(ray, "a crossing after ", *earlier, " was missed; reported t ", hit.t);
     }
     return {};
 }
@@ -222,14 +151,16 @@ Verdict occluded_agrees(const Surface& surface, const std::vector<Ray>& rays)
                 Hit hit;
                 hit.t = ray.t_max;
                 const bool met = surface.intersect({tile, i}, ray, hit);
-                if (surface.occluded({tile, i}, ray) != met) return fault(ray, "patch ", tile, "/", i, " is ", met ? "met but does not occlude" : "not met but occludes");
+                if (surface.occluded({tile, i}, ray) != met)
+                    return fault(ray, "patch ", tile, "/", i, " is ", met ? "met but does not occlude" : "not met but occludes");
             }
         }
     }
     return {};
 }
 
-namespace {
+namespace
+{
 
 /// The gradient by central differences, unless a kink lies within reach (one-sided differences disagree).
 std::optional<Vec3d> difference_normal(const Field& field, const Vec3d& p, double h)
@@ -282,7 +213,8 @@ Verdict normals_are_gradients(const Surface& surface, const std::vector<Ray>& ra
         if (at.geometric_normal.dot(at.shading_normal) < 0.0) return fault(ray, "shading normal on the other side");
         double sum = 0.0;
         for (std::size_t m = 0; m < at.materials.count; ++m) {
-            if (!(at.materials.weight[m] >= 0.0f) || at.materials.index[m] >= surface.materials().size()) return fault(ray, "material share of ", at.materials.weight[m]);
+            if (!(at.materials.weight[m] >= 0.0f) || at.materials.index[m] >= surface.materials().size())
+                return fault(ray, "material share of ", at.materials.weight[m]);
             sum += at.materials.weight[m];
         }
         if (!(std::abs(sum - 1.0) < 1e-5)) return fault(ray, "material shares sum to ", sum);
@@ -352,7 +284,8 @@ Verdict same_bits(const Surface& a, const Surface& b, const std::vector<Ray>& ra
         if (std::memcmp(&x.t, &y.t, sizeof x.t) != 0 || x.evaluations != y.evaluations) return fault(ray, "hits at ", x.t, " and ", y.t);
         if (!std::isfinite(x.t)) continue;
         const Interaction p = a.interact(ray, x), q = b.interact(ray, y);
-        if (p.position != q.position || p.shading_normal != q.shading_normal || p.spawn_offset != q.spawn_offset) return fault(ray, "interactions differ at ", x.t);
+        if (p.position != q.position || p.shading_normal != q.shading_normal || p.spawn_offset != q.spawn_offset)
+            return fault(ray, "interactions differ at ", x.t);
     }
     return {};
 }
@@ -389,14 +322,16 @@ Verdict field_bounds_hold(const Field& field, const Box3d& where, std::uint64_t 
             const double u = random(), v = random();
             const Vec3d a = segment.a + (segment.b - segment.a) * u, b = segment.a + (segment.b - segment.a) * v;
             const double rise = std::abs(field.value(a) - field.value(b));
-            if (rise > bound * (a - b).length() + 1e-10) return fault({segment.a, segment.b - segment.a}, "slope ", rise / (a - b).length(), " above its bound ", bound);
+            if (rise > bound * (a - b).length() + 1e-10)
+                return fault({segment.a, segment.b - segment.a}, "slope ", rise / (a - b).length(), " above its bound ", bound);
         }
         Box3d box(p);
         box.extendBy(p + Vec3d(random() * length, random() * length, random() * length));
         const Interval range = field.range(box);
         for (int k = 0; k < 16; ++k) {
             const double f = field.value(random.in(box));
-            if (f < range.lo - 1e-10 || f > range.hi + 1e-10) return fault({box.min, box.size()}, "value ", f, " outside its range ", range.lo, " to ", range.hi);
+            if (f < range.lo - 1e-10 || f > range.hi + 1e-10)
+                return fault({box.min, box.size()}, "value ", f, " outside its range ", range.lo, " to ", range.hi);
         }
     }
     return {};

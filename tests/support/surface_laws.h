@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-namespace hoodoo::testing {
+namespace hoodoo::testing
+{
 
 /// Empty: the law holds. Otherwise the first fault found, in words.
 struct Verdict {

@@ -11,18 +11,21 @@
 #include <cmath>
 #include <vector>
 
-namespace hoodoo::testing {
-namespace {
+namespace hoodoo::testing
+{
+namespace
+{
 
 constexpr int kUnitsPerCell = 32;
-constexpr double kSample = 0.5;   ///< cells between samples along a column
+constexpr double kSample = 0.5;  ///< cells between samples along a column
 
 struct Tunnel {
     std::vector<Vec3d> points;
     double radius;
 };
 
-class Recipe {
+class Recipe
+{
 public:
     explicit Recipe(const TerrainRecipe& r) : r_(r)
     {
@@ -34,10 +37,11 @@ public:
     double height(double x, double y) const
     {
         const auto seed = static_cast<std::uint32_t>(r_.seed);
-        const double wave = r_.relief * 1.2;   // longest wavelength: slopes of about one whatever the relief
+        const double wave = r_.relief * 1.2;  // longest wavelength: slopes of about one whatever the relief
         const double rough = r_.rugged ? 1.0 : 0.35;
         const Vec2d p(x / wave, y / wave);
-        double h = 0.5 + 0.35 * fbm(p, seed, {7.0, 2.0, r_.rugged ? 0.5 : 0.35}).value + rough * 0.15 * ridged(p * 2.0, seed + 1, {5.0, 2.0, 0.45}).value;
+        double h =
+            0.5 + 0.35 * fbm(p, seed, {7.0, 2.0, r_.rugged ? 0.5 : 0.35}).value + rough * 0.15 * ridged(p * 2.0, seed + 1, {5.0, 2.0, 0.45}).value;
         // Canyons: narrow valleys along the zero set of a slow noise.
         const double river = std::abs(gradient_noise(p * 1.3, seed + 2).value);
         h -= rough * 0.3 * std::max(0.0, 1.0 - river / 0.08);
@@ -110,7 +114,7 @@ private:
 
     TerrainRecipe r_;
     std::vector<Tunnel> tunnels_;
-    std::vector<const Tunnel*> near_;   ///< set anew by prepare(), so a copy may begin with any
+    std::vector<const Tunnel*> near_;  ///< set anew by prepare(), so a copy may begin with any
 };
 
 std::vector<Layer> make_column(Recipe& recipe, double relief, double x, double y)
@@ -237,7 +241,9 @@ std::shared_ptr<MaterialStack> make_terrain(const TerrainRecipe& r)
     std::vector<std::vector<Layer>> columns(static_cast<std::size_t>(r.size.x) * static_cast<std::size_t>(r.size.y));
     tbb::parallel_for(0, r.size.y, [&](int j) {
         Recipe mine(recipe);
-        for (int i = 0; i < r.size.x; ++i) columns[static_cast<std::size_t>(j) * static_cast<std::size_t>(r.size.x) + static_cast<std::size_t>(i)] = make_column(mine, r.relief, i + 0.5, j + 0.5);
+        for (int i = 0; i < r.size.x; ++i)
+            columns[static_cast<std::size_t>(j) * static_cast<std::size_t>(r.size.x) + static_cast<std::size_t>(i)] =
+                make_column(mine, r.relief, i + 0.5, j + 0.5);
     });
     stack->set_columns({0, 0}, r.size, columns);
     return stack;

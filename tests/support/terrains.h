@@ -7,16 +7,17 @@
 #include <string>
 #include <vector>
 
-namespace hoodoo::testing {
+namespace hoodoo::testing
+{
 
 struct TerrainRecipe {
     Vec2i size{1024, 768};
     double cell = 1.0;
     Vec3d origin{0.0};
     std::uint64_t seed = 1;
-    double relief = 226.0;      ///< cells, at most 250: heights are whole 32nds of a cell
-    bool rugged = true;         ///< false: gentle slopes, fewer overhangs and tunnels
-    int tunnels = -1;           ///< swept spheres; -1: one to 8700 columns (90 on 1024 x 768)
+    double relief = 226.0;  ///< cells, at most 250: heights are whole 32nds of a cell
+    bool rugged = true;     ///< false: gentle slopes, fewer overhangs and tunnels
+    int tunnels = -1;       ///< swept spheres; -1: one to 8700 columns (90 on 1024 x 768)
 };
 
 /// fBm, ridges, terraces and canyons for the ground; overhangs where 3-D noise carves or adds matter near it; tunnels of swept spheres. Bedrock with
@@ -32,7 +33,7 @@ struct View {
 
 struct BenchTerrain {
     std::shared_ptr<MaterialStack> stack;
-    std::vector<View> views;   ///< aerial, canyon, tunnel
+    std::vector<View> views;  ///< aerial, canyon, tunnel
 };
 
 /// The terrain that intersectors are measured on, cells of 1 m; smaller sizes have less relief, so that slopes stay the same.

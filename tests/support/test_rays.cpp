@@ -2,27 +2,14 @@
 
 #include "tests/support/test_rays.h"
 
-#include "terrain/math/hash.h"
+#include "tests/support/numbers.h"
 
 #include <cmath>
 
-namespace hoodoo::testing {
-namespace {
-
-class Numbers {
-public:
-    explicit Numbers(std::uint64_t h) : h_(h) {}
-    double operator()() { return unit_real(h_ = mix64(h_)); }
-    double between(double a, double b) { return a + (b - a) * (*this)(); }
-    Vec3d direction()
-    {
-        const double z = between(-1.0, 1.0), phi = between(0.0, 6.283185307179586), r = std::sqrt(1.0 - z * z);
-        return {r * std::cos(phi), r * std::sin(phi), z};
-    }
-
-private:
-    std::uint64_t h_;
-};
+namespace hoodoo::testing
+{
+namespace
+{
 
 /// A crossing on a random segment of the terrain; the segment's upper end if it has none.
 Vec3d surface_point(const ConvolutionField& field, Numbers& random)
@@ -31,7 +18,9 @@ Vec3d surface_point(const ConvolutionField& field, Numbers& random)
     const Vec3d size(stack.size().x * stack.cell(), stack.size().y * stack.cell(), stack.highest_top() * stack.unit());
     const double sigma = field.sigma();
     for (int attempt = 0;; ++attempt) {
-        const auto anywhere = [&] { return stack.origin() + Vec3d(random.between(0.0, size.x), random.between(0.0, size.y), random.between(-sigma, size.z + sigma)); };
+        const auto anywhere = [&] {
+            return stack.origin() + Vec3d(random.between(0.0, size.x), random.between(0.0, size.y), random.between(-sigma, size.z + sigma));
+        };
         Vec3d air = anywhere(), matter = anywhere();
         if (attempt > 60) return air;
         // A point of air and one of matter, close together: then the crossing is as likely under a ledge as on top.
@@ -66,31 +55,34 @@ Ray test_ray(const ConvolutionField& field, std::uint64_t seed, std::uint64_t n)
     ray.direction = random.direction();
     double back = reach * std::pow(random(), 2.0);
     switch (n % 10) {
-    case 0:
-    case 1:
-    case 2: {
-        const Vec3d normal = field.gradient(target).normalized();
-        Vec3d u, v;
-        if (normal.length() < 0.5) break;
-        orthonormal_frame(normal, u, v);
-        const double phi = random.between(0.0, 6.283185307179586);
-        ray.direction = (u * std::cos(phi) + v * std::sin(phi) + normal * random.between(-0.0199, 0.0199)).normalized();
-        break;
-    }
-    case 3: back = sigma * random(); break;
-    case 4: {
-        // Along an axis, or in a lattice plane; through the point or snapped to the plane's own line.
-        const int axis = static_cast<int>(3.0 * random());
-        if (random() < 0.5) {
-            ray.direction = Vec3d(0.0);
-            ray.direction[axis] = random() < 0.5 ? 1.0 : -1.0;
-        } else {
-            ray.direction[axis] = 0.0;
-            ray.direction = ray.direction.normalized();
+        case 0:
+        case 1:
+        case 2: {
+            const Vec3d normal = field.gradient(target).normalized();
+            Vec3d u, v;
+            if (normal.length() < 0.5) break;
+            orthonormal_frame(normal, u, v);
+            const double phi = random.between(0.0, 6.283185307179586);
+            ray.direction = (u * std::cos(phi) + v * std::sin(phi) + normal * random.between(-0.0199, 0.0199)).normalized();
+            break;
         }
-        break;
-    }
-    default: break;
+        case 3:
+            back = sigma * random();
+            break;
+        case 4: {
+            // Along an axis, or in a lattice plane; through the point or snapped to the plane's own line.
+            const int axis = static_cast<int>(3.0 * random());
+            if (random() < 0.5) {
+                ray.direction = Vec3d(0.0);
+                ray.direction[axis] = random() < 0.5 ? 1.0 : -1.0;
+            } else {
+                ray.direction[axis] = 0.0;
+                ray.direction = ray.direction.normalized();
+            }
+            break;
+        }
+        default:
+            break;
     }
     ray.origin = target - ray.direction * back;
     if (n % 10 == 4) {

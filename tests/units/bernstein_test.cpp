@@ -8,15 +8,18 @@
 
 #include <algorithm>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
-/// a (u - r0)(u - r1)(u - r2) in Bernstein form: by blossoming, coefficient k is a times the mean over all orders of the product with k arguments 1 and
-/// 3 - k arguments 0.
+/// a (u - r0)(u - r1)(u - r2) in Bernstein form: by blossoming, coefficient k is a times the mean over all orders of the product with k arguments 1
+/// and 3 - k arguments 0.
 Cubic with_roots(double a, double r0, double r1, double r2)
 {
     const double m0 = -r0, m1 = -r1, m2 = -r2, p0 = 1.0 - r0, p1 = 1.0 - r1, p2 = 1.0 - r2;
-    return {a * m0 * m1 * m2, a * (p0 * m1 * m2 + m0 * p1 * m2 + m0 * m1 * p2) / 3.0, a * (p0 * p1 * m2 + p0 * m1 * p2 + m0 * p1 * p2) / 3.0, a * p0 * p1 * p2};
+    return {a * m0 * m1 * m2, a * (p0 * m1 * m2 + m0 * p1 * m2 + m0 * m1 * p2) / 3.0, a * (p0 * p1 * m2 + p0 * m1 * p2 + m0 * p1 * p2) / 3.0,
+            a * p0 * p1 * p2};
 }
 
 TEST(Bernstein, the_first_of_three_roots_is_found_from_either_side)
@@ -62,7 +65,7 @@ TEST(Bernstein, a_touch_is_no_change_and_a_dip_below_it_is)
     Cubic dip{0.25, -1.0 / 12.0, -1.0 / 12.0, 0.25};
     for (double& c : dip) c -= 1e-12;
     ASSERT_TRUE(first_change(dip, false, u));
-    EXPECT_NEAR(u, 0.5 - 1e-6, 1e-8);   // (u - 1/2)^2 = 1e-12
+    EXPECT_NEAR(u, 0.5 - 1e-6, 1e-8);  // (u - 1/2)^2 = 1e-12
     for (double& c : dip) c += 2e-12;
     EXPECT_FALSE(first_change(dip, false, u));
 }

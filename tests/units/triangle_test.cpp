@@ -6,8 +6,10 @@
 
 #include <gtest/gtest.h>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 TriangleMesh right_triangle()
 {
@@ -31,7 +33,7 @@ TEST(Triangle, is_met_at_the_known_distance_with_the_weights_of_its_corners)
     const auto hit = intersect_triangle(right_triangle(), 0, down_at(1001.0, 2.0));
     ASSERT_TRUE(hit.has_value());
     EXPECT_EQ(hit->t, 3.0);
-    EXPECT_EQ(hit->barycentric, Vec2d(0.25, 0.5));   // (1, 2) = 1/4 of (4, 0) + 1/2 of (0, 4)
+    EXPECT_EQ(hit->barycentric, Vec2d(0.25, 0.5));  // (1, 2) = 1/4 of (4, 0) + 1/2 of (0, 4)
     EXPECT_FALSE(intersect_triangle(right_triangle(), 0, down_at(1003.0, 2.0)).has_value());
 }
 
@@ -59,7 +61,9 @@ TEST(Triangle, rays_aimed_at_shared_edges_and_corners_find_no_gap)
     TriangleMesh mesh;
     mesh.vertices.push_back(Vec3f(0.013f, 0.007f, -1.0f));
     constexpr int n = 17;
-    for (int k = 0; k < n; ++k) mesh.vertices.push_back(Vec3f(static_cast<float>(std::cos(2 * M_PI * k / n)), static_cast<float>(std::sin(2 * M_PI * k / n)), 0.01f * static_cast<float>(k % 3)));
+    for (int k = 0; k < n; ++k)
+        mesh.vertices.push_back(
+            Vec3f(static_cast<float>(std::cos(2 * M_PI * k / n)), static_cast<float>(std::sin(2 * M_PI * k / n)), 0.01f * static_cast<float>(k % 3)));
     for (std::uint32_t k = 0; k < n; ++k) mesh.triangles.push_back({0, 1 + k, 1 + (k + 1) % n});
     for (int i = 0; i < 20000; ++i) {
         const auto random = [&](int k) { return unit_real(hash_cell(4, i, k)); };
@@ -88,7 +92,7 @@ TEST(Triangle, the_story_of_a_hit_is_exact_whatever_the_tracer_rounded)
     EXPECT_EQ(at.geometric_normal, Vec3d(0, 0, 1));
     EXPECT_EQ(at.uv, Vec2d(0.25, 0.5));
     EXPECT_LT(at.position_error, 1e-11);
-    EXPECT_GT(at.spawn_offset, 1e-3);   // the tracer's own error, not only ours
+    EXPECT_GT(at.spawn_offset, 1e-3);  // the tracer's own error, not only ours
     // 3/4 of (0, 0, 1) and 1/4 of (0.6, 0, 0.8): (0.15, 0, 0.95), normalised.
     EXPECT_NEAR(at.shading_normal.x, 0.15 / std::sqrt(0.15 * 0.15 + 0.95 * 0.95), 1e-7);
     ASSERT_EQ(at.materials.count, 1u);
@@ -98,7 +102,8 @@ TEST(Tracer, weights_of_a_hit_mean_the_same_corners_in_embree_and_in_the_loop)
 {
     std::vector<Shape> shapes;
     shapes.emplace_back(right_triangle());
-    const TraceHit a = make_embree_tracer(shapes)->intersect(down_at(1001.0, 2.0)), b = make_brute_force_tracer(shapes)->intersect(down_at(1001.0, 2.0));
+    const TraceHit a = make_embree_tracer(shapes)->intersect(down_at(1001.0, 2.0)),
+                   b = make_brute_force_tracer(shapes)->intersect(down_at(1001.0, 2.0));
     ASSERT_TRUE(a.valid && b.valid);
     EXPECT_NEAR(a.barycentric.x, b.barycentric.x, 1e-5);
     EXPECT_NEAR(a.barycentric.y, b.barycentric.y, 1e-5);
