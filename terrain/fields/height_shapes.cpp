@@ -44,10 +44,9 @@ Warp warp_of(const Values& v, std::uint64_t seed) { return {v.number("warp"), v.
 
 HeightFunction bedded(const Values& v, double low, double high, std::uint64_t seed, HeightFunction even)
 {
-    if (!v.has("beds")) return even;
-    const std::uint64_t bed_seed = v.has("bed_seed") ? static_cast<std::uint64_t>(v.integer("bed_seed")) : hash_name(seed, "beds");
-    const auto strata = std::make_shared<Strata>(low, high, v.number("beds"), v.number("bed_contrast"), bed_seed);
-    return [strata, even = std::move(even)](const Vec2d& p) { return (*strata)(even(p)); };
+    const std::function<double(double)> beds = make_beds(v, low, high, seed);
+    if (!beds) return even;
+    return [beds, even = std::move(even)](const Vec2d& p) { return beds(even(p)); };
 }
 
 HeightFunction make_fractal(const Values& v, std::uint64_t seed)
@@ -155,9 +154,7 @@ void add_common(Schema& schema)
 {
     schema.parameters.push_back(length("warp", 0.0, "How far noise moves the shape sideways."));
     schema.parameters.push_back(length("warp_wavelength", 100.0, "Wavelength of that noise.", true));
-    schema.parameters.push_back({.name = "beds", .type = ParameterType::length, .doc = "Mean thickness of hard and soft beds, which make ledges; absent: none.", .unit = "m", .minimum = 0, .above_minimum = true});
-    schema.parameters.push_back(number("bed_contrast", 0.85, 0.0, 0.98, "0: beds do not show; near 1: walls and treads."));
-    schema.parameters.push_back({.name = "bed_seed", .type = ParameterType::integer, .doc = "Layers with the same bed_seed and range share their beds."});
+    for (Parameter& p : bed_parameters()) schema.parameters.push_back(std::move(p));
 }
 
 }  // namespace
@@ -194,6 +191,23 @@ std::vector<Schema> height_shape_schemas()
     std::vector<Schema> all = {fractal, mesa, canyon};
     for (Schema& schema : all) add_common(schema);
     return all;
+}
+
+std::vector<Parameter> bed_parameters()
+{
+    return {
+        {.name = "beds", .type = ParameterType::length, .doc = "Mean thickness of hard and soft beds, which make ledges; absent: none.", .unit = "m", .minimum = 0, .above_minimum = true},
+        number("bed_contrast", 0.85, 0.0, 0.98, "0: beds do not show; near 1: walls and treads."),
+        {.name = "bed_seed", .type = ParameterType::integer, .doc = "Layers with the same bed_seed and range share their beds."},
+    };
+}
+
+std::function<double(double)> make_beds(const Values& values, double low, double high, std::uint64_t seed)
+{
+    if (!values.has("beds")) return {};
+    const std::uint64_t bed_seed = values.has("bed_seed") ? static_cast<std::uint64_t>(values.integer("bed_seed")) : hash_name(seed, "beds");
+    const auto strata = std::make_shared<Strata>(low, high, values.number("beds"), values.number("bed_contrast"), bed_seed);
+    return [strata](double h) { return (*strata)(h); };
 }
 
 HeightFunction make_height_shape(const Values& values, std::uint64_t seed)

@@ -44,6 +44,7 @@ std::vector<Schema> layer_schemas()
         {.name = "offset", .type = ParameterType::length, .doc = "Metres for the value 0.", .fallback = 0.0, .unit = "m"},
         measure_parameter(),
     };
+    for (Parameter& p : bed_parameters()) image.parameters.push_back(std::move(p));
     Schema drift{"drift", "Loose material where the ground below is flat or low.", {}};
     drift.parameters = {
         {.name = "thickness", .type = ParameterType::length, .doc = "On flat ground.", .required = true, .unit = "m", .minimum = 0},
@@ -132,6 +133,8 @@ Grid heights_of(const Values& layer, const std::optional<HeightImage>& image, st
                 heights[static_cast<std::size_t>(j) * plan.size.x + i] = offset + scale * image->at(i, plan.size.y - 1 - j);
             }
         }
+        const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
+        if (const auto beds = make_beds(layer, *low, *high, seed)) std::transform(heights.begin(), heights.end(), heights.begin(), beds);
     } else {
         const HeightFunction height = make_height_shape(layer, seed);
         for (int j = 0; j < plan.size.y; ++j) {
