@@ -5,7 +5,8 @@
 //     E(mu)    = A (1 + r G(mu) / pi),                                G(mu) = sin (th - sin cos) + 2/3 (tan (1 - sin^3) - sin)
 //     E_mean   = A (1 + (2/3 - 28 / (15 pi)) r)
 //     f_multi  = rho' / pi (1 - E(mu_i)) (1 - E(mu_o)) / (1 - E_mean),  rho' = rho^2 E_mean / (1 - rho (1 - E_mean))
-// Albedo 1 loses nothing at any roughness. Deviation: sampled by the cosine lobe, not by the paper's clipped transform; weights stay under 2.
+// Albedo 1 loses nothing at any roughness. Deviation: sampled by the cosine lobe and, at grazing angles, by an even share,
+// not by the paper's clipped transform; a weight is at most 7 and rarely over 2.
 //
 // Two normals. A shading normal s that differs from the geometric g breaks two things: directions of the lobe fall below the surface (lost light), and
 // directions below the horizon of g but above that of s are cut off hard (the terminator; Hanika2021 shows the cases, Chiang2019 fades them at the
@@ -124,18 +125,29 @@ Vec3f RoughDiffuse::shape(double mu_i, double mu_o, double c) const
     return albedo_ * static_cast<float>(single) + multiple_ * static_cast<float>(multi);
 }
 
+/// Share of samples that are spread evenly: at grazing angles the model looks back along wo with values that a cosine lobe would meet too rarely.
+double RoughDiffuse::even_share(double mu_o) const { return 0.3 * roughness_ * (1.0 - mu_o) * (1.0 - mu_o); }
+
 BsdfValue RoughDiffuse::evaluate(const Vec3d& wo, const Vec3d& wi) const
 {
     const double density = lobe_.density(wi);
     if (density == 0.0) return {};
     // The cosine of wi is the one the lobe has given it: its own could be small where the lobe is not, and the model divides by it.
     const double mu_i = std::clamp(kPi * density, kSmallestCosine, 1.0), mu_o = std::clamp(wo.dot(lobe_.shading()), kSmallestCosine, 1.0);
-    return {shape(mu_i, mu_o, wi.dot(wo)) * static_cast<float>(density), density};
+    const double even = even_share(mu_o);
+    return {shape(mu_i, mu_o, wi.dot(wo)) * static_cast<float>(density), (1.0 - even) * density + even / (2.0 * kPi)};
 }
 
 BsdfSample RoughDiffuse::sample(const Vec3d& wo, const std::array<double, 3>& u) const
 {
-    const Vec3d wi = lobe_.sample(u);
+    const double even = even_share(std::clamp(wo.dot(lobe_.shading()), kSmallestCosine, 1.0));
+    Vec3d wi;
+    if (u[2] < even) {
+        const double sine = std::sqrt(u[0] * (2.0 - u[0])), angle = 2.0 * kPi * u[1];
+        wi = around(lobe_.geometric(), Vec3d(sine * std::cos(angle), sine * std::sin(angle), 1.0 - u[0]));
+    } else {
+        wi = lobe_.sample({u[0], u[1], (u[2] - even) / (1.0 - even)});
+    }
     const BsdfValue value = evaluate(wo, wi);
     if (value.pdf == 0.0) return {};
     return {wi, value.value / static_cast<float>(value.pdf), value.pdf};

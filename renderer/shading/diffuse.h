@@ -62,6 +62,7 @@ public:
     Vec3f shape(double mu_i, double mu_o, double c) const;
 
 private:
+    double even_share(double mu_o) const;
     double escape_probability(double mu) const;   ///< the directional albedo of the single-scattering lobe for albedo 1
 
     CosineLobe lobe_;

@@ -8,6 +8,8 @@
 
 #include "terrain/error.h"
 
+#include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -15,6 +17,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 namespace hoodoo {
@@ -98,6 +101,10 @@ bool trace_tiles(const Scene& scene, const PathSettings& path, const TileSetting
 {
     if (film.layout().materials != scene.material_names()) throw Error(ErrorKind::internal, "the film's materials are not those of the scene");
     Tracing tracing(scene, path, settings, film);
+    // More threads than processors are allowed only by an explicit permission, and asked for without it TBB complains on the error stream.
+    std::optional<tbb::global_control> permission;
+    if (settings.threads > tbb::info::default_concurrency())
+        permission.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(settings.threads));
     tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
     arena.execute([&] {
         tbb::parallel_for(

@@ -35,6 +35,8 @@ public:
         return mean;
     }
 
+    int max_events = 1000;   ///< collisions a walk
+
 private:
     static constexpr double pi = 3.14159265358979323846;
     double uniform() { return std::uniform_real_distribution<double>()(random_); }
@@ -76,7 +78,7 @@ private:
     {
         Vec3d p(0.0, 0.0, Atmosphere::ground_radius + 1.0);
         double sum = 0.0, weight = 1.0;
-        for (int event = 0; event < 1000; ++event) {
+        for (int event = 0; event < max_events; ++event) {
             double ground, space, t = 0.0;
             limits(p, w, ground, space);
             AirColumns d;

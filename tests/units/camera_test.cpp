@@ -1,0 +1,89 @@
+// The pinhole: where pixels look, and that the matrices of the header say the same as the rays.
+#include "renderer/scene/camera.h"
+
+#include <gtest/gtest.h>
+
+namespace hoodoo {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+Node number(double x) { return Node{x, {}, {}}; }
+Node vector(double x, double y, double z) { return Node{Node::Array{number(x), number(y), number(z)}, {}, {}}; }
+
+/// A [camera] table with the entries given.
+Values camera_values(Node::Table table)
+{
+    std::vector<Problem> problems;
+    const Values values = check(camera_schema(), Node{std::move(table), {}, {}}, problems);
+    if (!problems.empty()) throw Error(ErrorKind::scene, problems);
+    return values;
+}
+
+std::string problem_of(Node::Table table)
+{
+    try {
+        Camera camera(camera_values(std::move(table)));
+        return "none";
+    } catch (const Error& error) {
+        return error.problems().front().what;
+    }
+}
+
+TEST(Camera, the_middle_of_the_picture_is_the_target_and_corners_follow_the_field_of_view)
+{
+    const Camera camera(Vec3d(1, 2, 3), Vec3d(1, 7, 3), Vec3d(0, 0, 1), kPi / 2, true);
+    const Vec2i size(200, 100);
+    const Ray middle = camera.ray(Vec2d(100, 50), size, 0.25);
+    EXPECT_EQ(middle.origin, Vec3d(1, 2, 3));
+    EXPECT_NEAR((middle.direction - Vec3d(0, 1, 0)).length(), 0.0, 1e-15);
+    EXPECT_EQ(middle.time, 0.25);
+    EXPECT_EQ(middle.crossing, Crossing::entering);
+    // hfov 90 deg: the left edge is 45 degrees off; the top edge, at half the height, atan(1/2).
+    EXPECT_NEAR((camera.ray(Vec2d(0, 50), size, 0).direction - Vec3d(-1, 1, 0).normalized()).length(), 0.0, 1e-15);
+    EXPECT_NEAR((camera.ray(Vec2d(100, 0), size, 0).direction - Vec3d(0, 1, 0.5).normalized()).length(), 0.0, 1e-15);
+}
+
+TEST(Camera, a_vertical_field_of_view_spans_the_height)
+{
+    const Camera camera(Vec3d(0.0), Vec3d(0, 1, 0), Vec3d(0, 0, 1), kPi / 2, false);
+    EXPECT_NEAR((camera.ray(Vec2d(100, 0), Vec2i(200, 100), 0).direction - Vec3d(0, 1, 1).normalized()).length(), 0.0, 1e-15);
+    EXPECT_NEAR((camera.ray(Vec2d(200, 50), Vec2i(200, 100), 0).direction - Vec3d(2, 1, 0).normalized()).length(), 0.0, 1e-15);
+}
+
+TEST(Camera, the_footprint_is_the_width_of_a_pixel)
+{
+    const Camera camera(Vec3d(0.0), Vec3d(0, 1, 0), Vec3d(0, 0, 1), kPi / 2, true);
+    const Vec2i size(1000, 1000);
+    const Ray a = camera.ray(Vec2d(500, 500), size, 0), b = camera.ray(Vec2d(501, 500), size, 0);
+    EXPECT_NEAR(a.footprint(10.0), (a.at(10.0) - b.at(10.0)).length(), 1e-4 * a.footprint(10.0));
+}
+
+TEST(Camera, matrices_say_the_same_as_rays)
+{
+    const Camera camera(Vec3d(10, -20, 30), Vec3d(12, 5, 20), Vec3d(0.1, 0, 1), 0.8, true);
+    const Vec2i size(640, 360);
+    for (const Vec2d& film : {Vec2d(0.5, 0.5), Vec2d(320, 180), Vec2d(600, 33)}) {
+        const Vec3d p = camera.ray(film, size, 0).at(17.0);
+        Imath::V3f seen, ndc;
+        camera.world_to_camera().multVecMatrix(Imath::V3f(p), seen);
+        camera.world_to_ndc(size).multVecMatrix(Imath::V3f(p), ndc);
+        EXPECT_NEAR(seen.z, camera.depth(p), 1e-5);
+        EXPECT_NEAR(ndc.x, film.x / size.x, 1e-5);
+        EXPECT_NEAR(ndc.y, film.y / size.y, 1e-5);
+        EXPECT_NEAR(ndc.z, 1.0 - 1.0 / camera.depth(p), 1e-5);
+    }
+}
+
+TEST(Camera, contradictions_are_named)
+{
+    const auto eye = std::pair{std::string("eye"), vector(0, 0, 5)};
+    EXPECT_EQ(problem_of({eye, {"target", vector(0, 9, 5)}}), "none");
+    EXPECT_EQ(problem_of({eye, {"target", vector(0, 0, 5)}}), "target and eye are the same point");
+    EXPECT_EQ(problem_of({eye, {"target", vector(0, 0, 9)}}), "up is zero or lies along the view");
+    EXPECT_EQ(problem_of({eye, {"target", vector(0, 9, 5)}, {"hfov_deg", number(40)}, {"vfov_deg", number(40)}}), "hfov and vfov exclude each other");
+    EXPECT_EQ(problem_of({eye, {"target", vector(0, 9, 5)}, {"shutter_open", number(0.5)}}), "the shutter closes before it opens");
+}
+
+}  // namespace
+}  // namespace hoodoo
