@@ -6,11 +6,12 @@
 //   Haze: depth ~ l^-exponent (Angstrom1929), phase of Henyey1941.
 //   Ozone: one Gaussian for the Chappuis band, 5.1e-25 m2 at 594 nm, width 55 nm: our fit, within 20% of Gorshelev2014 from 450 to 700 nm.
 // Light: L(w) = integral of T (sigma_s phase T_sun + sigma_s M) + ground, T = exp(-depth). M is the mean radiance of light scattered at least once:
-//     M_1 = mean over directions of singly scattered and once reflected light,   M_(n+1) = mean of the light that M_n scatters and the ground reflects,
+//     M_1 = mean over directions of singly scattered and once reflected light,   M_(n+1) = mean of the light that M_n scatters and the ground
+//     reflects,
 //   iterated on a grid over height and the sun's elevation; the tail is summed as a geometric series. So the second and later scatterings are taken
-//   as isotropic (as in Hillaire2020, which also takes M as equal everywhere). Haze scatters forwards: of its scattering of light that has been scattered
-//   before, the share g (the mean cosine) counts as no event and (1 - g) as isotropic, which keeps the mean cosine (Joseph1976). Without this the energy
-//   is 15% low in thick haze; tests/laws measure it against random walks.
+//   as isotropic (as in Hillaire2020, which also takes M as equal everywhere). Haze scatters forwards: of its scattering of light that has been
+//   scattered before, the share g (the mean cosine) counts as no event and (1 - g) as isotropic, which keeps the mean cosine (Joseph1976). Without
+//   this the energy is 15% low in thick haze; tests/laws measure it against random walks.
 // Depths come from a table of columns, one number a component, in the coordinates of Bruneton2017.
 // Missing: refraction, polarisation, clouds, the Earth's flattening, twilight colours below -6 degrees.
 
@@ -23,8 +24,10 @@
 #include <cmath>
 #include <cstdint>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kRayleighHeight = 8436.0;
@@ -32,7 +35,7 @@ constexpr double kGround = Atmosphere::ground_radius, kTop = kGround + Atmospher
 
 constexpr int kColumnRadii = 48, kColumnSines = 256, kColumnSteps = 40;
 constexpr int kNodeHeights = 12, kNodeSuns = 9;
-constexpr double kSunStep = 3.0 * kPi / 180.0;          // between suns of the grid: +-12 degrees cover all of the air that is in view
+constexpr double kSunStep = 3.0 * kPi / 180.0;  // between suns of the grid: +-12 degrees cover all of the air that is in view
 constexpr int kPolar = 10, kAzimuths = 5, kOrders = 5;
 constexpr int kViewSteps = 40, kNodeSteps = 16;
 
@@ -51,7 +54,7 @@ double distance_to_ground(double r, double sine)
 double rayleigh_coefficient(double nanometres)
 {
     constexpr double density = 2.546899e25, king = 1.049;
-    const double l = nanometres * 1e-9, s2 = 1e6 / (nanometres * nanometres);   // 1/um^2
+    const double l = nanometres * 1e-9, s2 = 1e6 / (nanometres * nanometres);  // 1/um^2
     const double n = 1.0 + 1e-8 * (8060.51 + 2480990.0 / (132.274 - s2) + 17455.7 / (39.32957 - s2));
     const double a = (n * n - 1.0) / (n * n + 2.0);
     return 24.0 * std::pow(kPi, 3) * a * a / (std::pow(l, 4) * density) * king;
@@ -69,16 +72,18 @@ void for_each_band(Visit&& visit)
     for (int i = 0; i < kWavelengths; ++i) visit(i);
 }
 
-/// exp of each band for x in [-700, 0] (below: as -700), to 2e-14: x = k ln 2 + r, |r| <= ln 2 / 2, a Taylor polynomial in r. Without branches, so that
-/// the compiler does several bands at once.
+/// exp of each band for x in [-700, 0] (below: as -700), to 2e-14: x = k ln 2 + r, |r| <= ln 2 / 2, a Taylor polynomial in r. Without branches, so
+/// that the compiler does several bands at once.
 Spectrum exponential(const Spectrum& x)
 {
     Spectrum y;
     for_each_band([&](int i) {
-        const double a = std::max(-700.0, x[i]), shifted = a * 1.4426950408889634 + 0x1.8p52;   // the sum's low bits are the rounded k
+        const double a = std::max(-700.0, x[i]), shifted = a * 1.4426950408889634 + 0x1.8p52;  // the sum's low bits are the rounded k
         const double k = shifted - 0x1.8p52, r = (a - k * 0x1.62e42fee00000p-1) - k * 0x1.a39ef35793c76p-33;
         double p = 1.0 / 39916800.0;
-        for (const double c : {1.0 / 3628800.0, 1.0 / 362880.0, 1.0 / 40320.0, 1.0 / 5040.0, 1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0}) p = p * r + c;
+        for (const double c :
+             {1.0 / 3628800.0, 1.0 / 362880.0, 1.0 / 40320.0, 1.0 / 5040.0, 1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0})
+            p = p * r + c;
         y[i] = p * std::bit_cast<double>((std::bit_cast<std::uint64_t>(shifted) + 1023) << 52);
     });
     return y;
@@ -98,7 +103,10 @@ struct Between {
 
 }  // namespace
 
-double Atmosphere::rayleigh_phase(double c) { return 3.0 / (16.0 * kPi) * (1.0 + c * c); }
+double Atmosphere::rayleigh_phase(double c)
+{
+    return 3.0 / (16.0 * kPi) * (1.0 + c * c);
+}
 
 double Atmosphere::aerosol_phase(double c, double g)
 {
@@ -119,7 +127,7 @@ Atmosphere::Atmosphere(const AtmosphereParameters& parameters, double sun_sine) 
         coefficients_.rayleigh[i] = rayleigh_coefficient(l);
         coefficients_.aerosol_extinction[i] = parameters.aerosol * std::pow(l / 550.0, -parameters.angstrom_exponent) / parameters.aerosol_height;
         coefficients_.aerosol_scattering[i] = coefficients_.aerosol_extinction[i] * parameters.aerosol_albedo;
-        coefficients_.ozone[i] = ozone_cross_section(l) * parameters.ozone * 2.6867e20 / 15e3;   // a Dobson unit in molecules/m2; the tent's area in m
+        coefficients_.ozone[i] = ozone_cross_section(l) * parameters.ozone * 2.6867e20 / 15e3;  // a Dobson unit in molecules/m2; the tent's area in m
     });
     sun_elevation_ = std::asin(std::clamp(sun_sine, -1.0, 1.0));
     forward_ = std::max(0.0, parameters.aerosol_asymmetry);
@@ -255,7 +263,9 @@ Spectrum Atmosphere::next_order(const Field& field, const Vec3d& p, double r, co
         }
     }
     if (!ground)
-        for_each_band([&](int k) { sum[k] *= coefficients_.rayleigh[k] * here.rayleigh + (1.0 - forward_) * coefficients_.aerosol_scattering[k] * here.aerosol; });
+        for_each_band([&](int k) {
+            sum[k] *= coefficients_.rayleigh[k] * here.rayleigh + (1.0 - forward_) * coefficients_.aerosol_scattering[k] * here.aerosol;
+        });
     return sum;
 }
 

@@ -6,23 +6,24 @@
 
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Defaults: clear country air at sea level.
 struct AtmosphereParameters {
-    double aerosol = 0.1;              ///< vertical optical depth of haze from sea level at 550 nm
-    double angstrom_exponent = 1.3;    ///< haze depth ~ wavelength^-exponent
-    double aerosol_albedo = 0.95;      ///< share of extinction that is scattering
-    double aerosol_asymmetry = 0.7;    ///< mean cosine of haze's scattering (Henyey1941)
-    double aerosol_height = 1200.0;    ///< scale height of haze, metres
-    double ozone = 300.0;              ///< Dobson units
-    double ground_albedo = 0.2;        ///< of the planet, every wavelength
-    double altitude = 0.0;             ///< of the observer above sea level, metres
+    double aerosol = 0.1;            ///< vertical optical depth of haze from sea level at 550 nm
+    double angstrom_exponent = 1.3;  ///< haze depth ~ wavelength^-exponent
+    double aerosol_albedo = 0.95;    ///< share of extinction that is scattering
+    double aerosol_asymmetry = 0.7;  ///< mean cosine of haze's scattering (Henyey1941)
+    double aerosol_height = 1200.0;  ///< scale height of haze, metres
+    double ozone = 300.0;            ///< Dobson units
+    double ground_albedo = 0.2;      ///< of the planet, every wavelength
+    double altitude = 0.0;           ///< of the observer above sea level, metres
 };
 
 /// Coefficients at sea level times the density of a component (1 at its reference height): what one point of air does.
 struct AirCoefficients {
-    Spectrum rayleigh{}, aerosol_scattering{}, aerosol_extinction{}, ozone{};   ///< 1/m
+    Spectrum rayleigh{}, aerosol_scattering{}, aerosol_extinction{}, ozone{};  ///< 1/m
 };
 
 /// Relative densities of molecules, haze, ozone at a height above sea level (metres); also their integrals along a path, metres.
@@ -31,10 +32,11 @@ struct AirColumns {
 };
 
 /// Clear air over a round ground for one height of the sun. Immutable, thread-safe.
-class Atmosphere {
+class Atmosphere
+{
 public:
-    static constexpr double ground_radius = 6371e3;    ///< mean radius of the Earth, metres
-    static constexpr double thickness = 80e3;          ///< above it less than 1e-4 of the air is left
+    static constexpr double ground_radius = 6371e3;  ///< mean radius of the Earth, metres
+    static constexpr double thickness = 80e3;        ///< above it less than 1e-4 of the air is left
 
     /// `sun_sine`: sine of the sun's elevation at the observer.
     Atmosphere(const AtmosphereParameters& parameters, double sun_sine);
@@ -48,19 +50,19 @@ public:
 
     const AirCoefficients& coefficients() const { return coefficients_; }
     static AirColumns density(const AtmosphereParameters& parameters, double height);
-    static double rayleigh_phase(double cosine);                       ///< 1/sr
-    static double aerosol_phase(double cosine, double asymmetry);      ///< 1/sr
+    static double rayleigh_phase(double cosine);                   ///< 1/sr
+    static double aerosol_phase(double cosine, double asymmetry);  ///< 1/sr
 
 private:
     /// Scattered light per unit of solar irradiance, over height and the sun's elevation.
     struct Field {
-        std::vector<Spectrum> mean;      ///< over all directions, 1/sr
-        std::vector<Spectrum> ground;    ///< irradiance of the ground
+        std::vector<Spectrum> mean;    ///< over all directions, 1/sr
+        std::vector<Spectrum> ground;  ///< irradiance of the ground
     };
 
-    Spectrum extinction(const AirColumns& densities, double forward) const;   ///< 1/m; of columns: optical depth
-    AirColumns columns_to_space(double radius, double sine) const;     ///< from the table
-    Spectrum sun_at(double radius, double sine) const;                 ///< transmittance towards the sun, 0 in the planet's shadow
+    Spectrum extinction(const AirColumns& densities, double forward) const;  ///< 1/m; of columns: optical depth
+    AirColumns columns_to_space(double radius, double sine) const;           ///< from the table
+    Spectrum sun_at(double radius, double sine) const;                       ///< transmittance towards the sun, 0 in the planet's shadow
     Spectrum first_order(const Vec3d& p, double radius, const Vec3d& w, const AirColumns& here, bool ground) const;
     Spectrum next_order(const Field& field, const Vec3d& p, double radius, const AirColumns& here, bool ground) const;
     Field next_field(const Field* previous) const;
@@ -71,11 +73,11 @@ private:
 
     AtmosphereParameters parameters_;
     AirCoefficients coefficients_;
-    Vec3d sun_;                                     ///< in the frame of radiance()
-    double sun_elevation_ = 0.0;                    ///< radians
-    double forward_ = 0.0;                          ///< share of haze's scattering that leaves diffuse light its direction
+    Vec3d sun_;                   ///< in the frame of radiance()
+    double sun_elevation_ = 0.0;  ///< radians
+    double forward_ = 0.0;        ///< share of haze's scattering that leaves diffuse light its direction
     std::vector<AirColumns> columns_;
-    Field scattered_;                               ///< all orders from the first
+    Field scattered_;  ///< all orders from the first
 };
 
 }  // namespace hoodoo

@@ -8,32 +8,56 @@
 
 #include <cmath>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 constexpr double kPi = 3.14159265358979323846;
 
 Parameter elevation_parameter()
 {
-    return {.name = "elevation", .type = ParameterType::angle, .doc = "Height of the sun above the horizon.", .fallback = 0.7853981633974483, .minimum = -0.5 * kPi,
+    return {.name = "elevation",
+            .type = ParameterType::angle,
+            .doc = "Height of the sun above the horizon.",
+            .fallback = 0.7853981633974483,
+            .minimum = -0.5 * kPi,
             .maximum = 0.5 * kPi};
 }
 Parameter azimuth_parameter()
 {
-    return {.name = "azimuth", .type = ParameterType::angle, .doc = "Direction of the sun: from north (+y) over east (+x).", .fallback = 2.356194490192345};
+    return {.name = "azimuth",
+            .type = ParameterType::angle,
+            .doc = "Direction of the sun: from north (+y) over east (+x).",
+            .fallback = 2.356194490192345};
 }
 Parameter aerosol_parameter()
 {
-    return {.name = "aerosol", .type = ParameterType::number, .doc = "Vertical optical depth of haze at 550 nm: 0.05 mountain air, 0.1 clear, 0.3 hazy.", .fallback = 0.1,
-            .minimum = 0.0, .maximum = 2.0};
+    return {.name = "aerosol",
+            .type = ParameterType::number,
+            .doc = "Vertical optical depth of haze at 550 nm: 0.05 mountain air, 0.1 clear, 0.3 hazy.",
+            .fallback = 0.1,
+            .minimum = 0.0,
+            .maximum = 2.0};
 }
 Parameter altitude_parameter()
 {
-    return {.name = "altitude", .type = ParameterType::length, .doc = "Height of the scene above sea level.", .fallback = 0.0, .unit = "m", .minimum = 0.0, .maximum = 9000.0};
+    return {.name = "altitude",
+            .type = ParameterType::length,
+            .doc = "Height of the scene above sea level.",
+            .fallback = 0.0,
+            .unit = "m",
+            .minimum = 0.0,
+            .maximum = 9000.0};
 }
 Parameter diameter_parameter()
 {
-    return {.name = "diameter", .type = ParameterType::angle, .doc = "Angular diameter of a disc.", .fallback = 0.00925024503556995, .minimum = 1e-5, .maximum = 1.0};
+    return {.name = "diameter",
+            .type = ParameterType::angle,
+            .doc = "Angular diameter of a disc.",
+            .fallback = 0.00925024503556995,
+            .minimum = 1e-5,
+            .maximum = 1.0};
 }
 
 std::vector<Schema> make_schemas()
@@ -42,17 +66,34 @@ std::vector<Schema> make_schemas()
     return {
         {"sun",
          "The sun alone. Irradiance in W/m2 a channel.",
-         {elevation_parameter(), azimuth_parameter(),
-          {.name = "irradiance", .type = T::color, .doc = "On a plane that faces the sun. Without it: sunlight after its way through clear air.", .unit = "W/m2",
+         {elevation_parameter(),
+          azimuth_parameter(),
+          {.name = "irradiance",
+           .type = T::color,
+           .doc = "On a plane that faces the sun. Without it: sunlight after its way through clear air.",
+           .unit = "W/m2",
            .minimum = 0.0},
-          {.name = "shape", .type = T::choice, .doc = "disc: soft shadows; delta: a single direction.", .fallback = std::string("disc"), .choices = {"disc", "delta"}},
-          diameter_parameter(), aerosol_parameter(), altitude_parameter()}},
+          {.name = "shape",
+           .type = T::choice,
+           .doc = "disc: soft shadows; delta: a single direction.",
+           .fallback = std::string("disc"),
+           .choices = {"disc", "delta"}},
+          diameter_parameter(),
+          aerosol_parameter(),
+          altitude_parameter()}},
         {"sky",
-         "A clear sky, computed from air, haze and ozone, and its sun. Radiance in W/m2/sr a channel, scaled so that the luminance of sunlight above the air is "
+         "A clear sky, computed from air, haze and ozone, and its sun. Radiance in W/m2/sr a channel, scaled so that the luminance of sunlight above "
+         "the air is "
          "1361 W/m2.",
-         {elevation_parameter(), azimuth_parameter(),
-          {.name = "sun", .type = T::choice, .doc = "The sun that comes with the sky.", .fallback = std::string("disc"), .choices = {"disc", "delta", "none"}},
-          diameter_parameter(), aerosol_parameter(),
+         {elevation_parameter(),
+          azimuth_parameter(),
+          {.name = "sun",
+           .type = T::choice,
+           .doc = "The sun that comes with the sky.",
+           .fallback = std::string("disc"),
+           .choices = {"disc", "delta", "none"}},
+          diameter_parameter(),
+          aerosol_parameter(),
           {.name = "ozone", .type = T::number, .doc = "Ozone, Dobson units.", .fallback = 300.0, .minimum = 0.0, .maximum = 1000.0},
           {.name = "ground_albedo", .type = T::number, .doc = "Of the planet around the scene.", .fallback = 0.2, .minimum = 0.0, .maximum = 1.0},
           altitude_parameter()}},
@@ -90,7 +131,7 @@ DiscSun::DiscSun(const Vec3d& direction, const Vec3f& irradiance, double diamete
 
 LightSample DiscSun::sample(const Vec2d& u) const
 {
-    const double drop = 0.5 * chord2_ * u.x, sine = std::sqrt(drop * (2.0 - drop)), angle = 2.0 * kPi * u.y;   // 1 - cosine
+    const double drop = 0.5 * chord2_ * u.x, sine = std::sqrt(drop * (2.0 - drop)), angle = 2.0 * kPi * u.y;  // 1 - cosine
     const Vec3d w = direction_ * (1.0 - drop) + tangent_ * (sine * std::cos(angle)) + bitangent_ * (sine * std::sin(angle));
     return {w, radiance_, pdf_, false};
 }

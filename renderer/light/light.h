@@ -9,18 +9,20 @@
 #include <variant>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// A direction towards a light. `pdf` per steradian; 0 for a delta light, whose `value` is then an irradiance.
 struct LightSample {
     Vec3d direction{0.0};
-    Vec3f value{0.0f};     ///< radiance, W/m2/sr a channel; delta: irradiance on a plane that faces the light, W/m2 a channel
+    Vec3f value{0.0f};  ///< radiance, W/m2/sr a channel; delta: irradiance on a plane that faces the light, W/m2 a channel
     double pdf = 0.0;
     bool delta = false;
 };
 
 /// The sun as one direction: sharp shadows.
-class DeltaSun {
+class DeltaSun
+{
 public:
     DeltaSun(const Vec3d& direction, const Vec3f& irradiance) : direction_(direction), irradiance_(irradiance) {}
     static constexpr bool sampled = true;
@@ -34,7 +36,8 @@ private:
 };
 
 /// The sun as an evenly bright disc.
-class DiscSun {
+class DiscSun
+{
 public:
     /// `direction` unit, towards the disc's middle; `irradiance` on a plane that faces it; `diameter` in radians.
     DiscSun(const Vec3d& direction, const Vec3f& irradiance, double diameter);
@@ -47,13 +50,14 @@ private:
     bool inside(const Vec3d& w) const { return (w - direction_).length2() <= chord2_; }
 
     Vec3d direction_, tangent_, bitangent_;
-    double chord2_ = 0.0;   ///< squared chord from the middle to the rim: precise where a cosine is not
+    double chord2_ = 0.0;  ///< squared chord from the middle to the rim: precise where a cosine is not
     double pdf_ = 0.0;
     Vec3f radiance_{0.0f};
 };
 
 /// The same radiance from everywhere. It takes no shadow rays: the scattered ray itself is the better sample of it.
-class ConstantSky {
+class ConstantSky
+{
 public:
     explicit ConstantSky(const Vec3f& radiance) : radiance_(radiance) {}
     static constexpr bool sampled = false;
@@ -66,7 +70,8 @@ private:
 };
 
 /// The clear sky, from a table made by renderer/light/sky.h.
-class ClearSky {
+class ClearSky
+{
 public:
     explicit ClearSky(std::shared_ptr<const SkyTable> table) : table_(std::move(table)) {}
     static constexpr bool sampled = true;

@@ -12,15 +12,23 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 constexpr double kPi = 3.14159265358979323846;
 
-double row_sine(double v) { return std::sin(0.5 * kPi * v * v); }
+double row_sine(double v)
+{
+    return std::sin(0.5 * kPi * v * v);
+}
 
 /// v of an elevation's sine in [0, 1].
-double row_of(double sine) { return std::sqrt(std::asin(std::clamp(sine, 0.0, 1.0)) * (2.0 / kPi)); }
+double row_of(double sine)
+{
+    return std::sqrt(std::asin(std::clamp(sine, 0.0, 1.0)) * (2.0 / kPi));
+}
 
 }  // namespace
 
@@ -65,7 +73,7 @@ void SkyTable::make_distribution()
             cumulative_[c + 1] = cumulative_[c] + solid_angle * std::max(0.0, static_cast<double>(l.x + l.y + l.z));
         }
     }
-    if (!(cumulative_.back() > 0.0))   // a black sky: evenly
+    if (!(cumulative_.back() > 0.0))  // a black sky: evenly
         for (std::size_t c = 0; c < cumulative_.size(); ++c) cumulative_[c] = static_cast<double>(c);
     for (double& c : cumulative_) c /= cumulative_.back();
 }
@@ -75,7 +83,8 @@ Vec3f SkyTable::radiance(const Vec3d& w) const
     const std::vector<Vec3f>& table = w.z >= 0.0 ? upper_ : lower_;
     const int rows = w.z >= 0.0 ? kUpper : kLower;
     const double azimuth = std::abs(std::atan2(w.dot(east_), w.dot(north_)));
-    const double y = std::clamp(row_of(std::abs(w.z)) * rows - 0.5, 0.0, rows - 1.0), x = std::clamp(azimuth / kPi * kColumns - 0.5, 0.0, kColumns - 1.0);
+    const double y = std::clamp(row_of(std::abs(w.z)) * rows - 0.5, 0.0, rows - 1.0),
+                 x = std::clamp(azimuth / kPi * kColumns - 0.5, 0.0, kColumns - 1.0);
     const int i = std::min(static_cast<int>(y), rows - 2), j = std::min(static_cast<int>(x), kColumns - 2);
     const float fy = static_cast<float>(y - i), fx = static_cast<float>(x - j);
     const Vec3f* at = &table[static_cast<std::size_t>(i) * kColumns + j];
@@ -85,7 +94,8 @@ Vec3f SkyTable::radiance(const Vec3d& w) const
 int SkyTable::cell(const Vec3d& w) const
 {
     const double azimuth = std::abs(std::atan2(w.dot(east_), w.dot(north_)));
-    const int i = std::min(static_cast<int>(row_of(w.z) * kUpper), kUpper - 1), j = std::min(static_cast<int>(azimuth / kPi * kColumns), kColumns - 1);
+    const int i = std::min(static_cast<int>(row_of(w.z) * kUpper), kUpper - 1),
+              j = std::min(static_cast<int>(azimuth / kPi * kColumns), kColumns - 1);
     return i * kColumns + j;
 }
 
@@ -93,7 +103,8 @@ double SkyTable::pdf(const Vec3d& w) const
 {
     if (!(w.z > 0.0)) return 0.0;
     const int c = cell(w), i = c / kColumns;
-    const double solid_angle = (row_sine((i + 1.0) / kUpper) - row_sine(static_cast<double>(i) / kUpper)) * 2.0 * kPi / kColumns;   // both sides of the sun
+    const double solid_angle =
+        (row_sine((i + 1.0) / kUpper) - row_sine(static_cast<double>(i) / kUpper)) * 2.0 * kPi / kColumns;  // both sides of the sun
     return (cumulative_[c + 1] - cumulative_[c]) / solid_angle;
 }
 

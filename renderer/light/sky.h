@@ -8,10 +8,12 @@
 #include <memory>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Radiance of the sky and, below the horizon, of the sunlit ground of the planet. Immutable, thread-safe.
-class SkyTable {
+class SkyTable
+{
 public:
     using ToRendering = std::function<Vec3f(const Vec3d& acescg)>;
 
@@ -29,16 +31,16 @@ public:
     const Vec3f& sun_irradiance() const { return sun_irradiance_; }
 
 private:
-    static constexpr int kColumns = 64, kUpper = 64, kLower = 16;   ///< columns: azimuths from 0 to pi off the sun; rows: sines, dense at the horizon
+    static constexpr int kColumns = 64, kUpper = 64, kLower = 16;  ///< columns: azimuths from 0 to pi off the sun; rows: sines, dense at the horizon
 
     void tabulate(const AtmosphereParameters& parameters, const ToRendering& to_rendering);
     void make_distribution();
     int cell(const Vec3d& w) const;
 
     Vec3d sun_;
-    Vec3d east_, north_;                 ///< horizontal frame: north_ towards the sun's azimuth
-    std::vector<Vec3f> upper_, lower_;   ///< row by row from the horizon
-    std::vector<double> cumulative_;     ///< over the cells of the upper rows
+    Vec3d east_, north_;                ///< horizontal frame: north_ towards the sun's azimuth
+    std::vector<Vec3f> upper_, lower_;  ///< row by row from the horizon
+    std::vector<double> cumulative_;    ///< over the cells of the upper rows
     Vec3f sun_irradiance_{0.0f};
 };
 

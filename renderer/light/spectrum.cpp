@@ -12,12 +12,14 @@
 
 #include <cmath>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kSolarConstant = 1361.0;      // W/m2
-constexpr double kSunTemperature = 5778.0;     // K
+constexpr double kSolarConstant = 1361.0;   // W/m2
+constexpr double kSunTemperature = 5778.0;  // K
 
 double lobe(double x, double middle, double below, double above)
 {
@@ -48,7 +50,7 @@ Imath::M33d acescg_to_xyz()
 }
 
 struct Conversion {
-    std::array<Vec3d, kWavelengths> to_xyz{};   ///< of one unit per nm in a band
+    std::array<Vec3d, kWavelengths> to_xyz{};  ///< of one unit per nm in a band
     Imath::M33d to_rgb, from_rgb;
 
     Conversion() : from_rgb(acescg_to_xyz())
@@ -75,9 +77,9 @@ const Conversion& conversion()
 
 double solar_irradiance(double nanometres)
 {
-    constexpr double h = 6.62607015e-34, c = 299792458.0, k = 1.380649e-23, sigma = 5.670374419e-8;   // SI, exact or CODATA
+    constexpr double h = 6.62607015e-34, c = 299792458.0, k = 1.380649e-23, sigma = 5.670374419e-8;  // SI, exact or CODATA
     const double l = nanometres * 1e-9;
-    const double planck = 2.0 * h * c * c / std::pow(l, 5) / std::expm1(h * c / (l * k * kSunTemperature));   // W/m2/sr/m
+    const double planck = 2.0 * h * c * c / std::pow(l, 5) / std::expm1(h * c / (l * k * kSunTemperature));  // W/m2/sr/m
     return kSolarConstant * kPi * planck / (sigma * std::pow(kSunTemperature, 4)) * 1e-9;
 }
 

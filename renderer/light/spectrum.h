@@ -5,15 +5,19 @@
 
 #include <array>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 constexpr int kWavelengths = 12;
-constexpr double kFirstWavelength = 380.0, kBandWidth = 30.0;   ///< nm: bands from 380 to 740
+constexpr double kFirstWavelength = 380.0, kBandWidth = 30.0;  ///< nm: bands from 380 to 740
 
 /// One value a band, at the band's middle.
 using Spectrum = std::array<double, kWavelengths>;
 
-constexpr double wavelength(int band) { return kFirstWavelength + (band + 0.5) * kBandWidth; }   ///< nm
+constexpr double wavelength(int band)
+{
+    return kFirstWavelength + (band + 0.5) * kBandWidth;
+}  ///< nm
 
 /// Sunlight above the air on a facing plane, W/m2/nm: a black body of 5778 K that brings 1361 W/m2 in all.
 double solar_irradiance(double nanometres);

@@ -8,7 +8,8 @@
 
 #include <cmath>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 const Schema& camera_schema()
 {
@@ -17,13 +18,37 @@ const Schema& camera_schema()
         "camera",
         "A pinhole camera. Z is up.",
         {
-            {.name = "eye", .type = T::vector, .doc = "Where the camera stands: in air.", .required = true, .unit = "m", .min_count = 3, .max_count = 3},
-            {.name = "target", .type = T::vector, .doc = "A point in the middle of the picture.", .required = true, .unit = "m", .min_count = 3, .max_count = 3},
-            {.name = "up", .type = T::vector, .doc = "A direction that is upright in the picture.", .fallback = std::vector<double>{0.0, 0.0, 1.0}, .min_count = 3,
+            {.name = "eye",
+             .type = T::vector,
+             .doc = "Where the camera stands: in air.",
+             .required = true,
+             .unit = "m",
+             .min_count = 3,
              .max_count = 3},
-            {.name = "hfov", .type = T::angle, .doc = "Field of view across the picture's width. Without hfov and vfov: 50 deg.", .minimum = 0.0,
-             .maximum = 3.1241393610698496, .above_minimum = true},
-            {.name = "vfov", .type = T::angle, .doc = "Field of view across the picture's height; excludes hfov.", .minimum = 0.0, .maximum = 3.1241393610698496,
+            {.name = "target",
+             .type = T::vector,
+             .doc = "A point in the middle of the picture.",
+             .required = true,
+             .unit = "m",
+             .min_count = 3,
+             .max_count = 3},
+            {.name = "up",
+             .type = T::vector,
+             .doc = "A direction that is upright in the picture.",
+             .fallback = std::vector<double>{0.0, 0.0, 1.0},
+             .min_count = 3,
+             .max_count = 3},
+            {.name = "hfov",
+             .type = T::angle,
+             .doc = "Field of view across the picture's width. Without hfov and vfov: 50 deg.",
+             .minimum = 0.0,
+             .maximum = 3.1241393610698496,
+             .above_minimum = true},
+            {.name = "vfov",
+             .type = T::angle,
+             .doc = "Field of view across the picture's height; excludes hfov.",
+             .minimum = 0.0,
+             .maximum = 3.1241393610698496,
              .above_minimum = true},
             {.name = "shutter_open", .type = T::duration, .doc = "When the shutter opens, after the frame's time.", .fallback = 0.0},
             {.name = "shutter_close", .type = T::duration, .doc = "When the shutter closes.", .fallback = 0.0},
@@ -77,7 +102,7 @@ Ray Camera::ray(const Vec2d& film, const Vec2i& size, double time) const
     ray.origin = eye_;
     ray.direction = along / length;
     ray.time = time;
-    ray.footprint_spread = 2.0 * extent.x / (size.x * length);   // a pixel's width, seen from the eye at the distance `length`
+    ray.footprint_spread = 2.0 * extent.x / (size.x * length);  // a pixel's width, seen from the eye at the distance `length`
     ray.crossing = Crossing::entering;
     return ray;
 }
@@ -90,7 +115,10 @@ Imath::M44d Camera::view_matrix() const
     return m;
 }
 
-Imath::M44f Camera::world_to_camera() const { return Imath::M44f(view_matrix()); }
+Imath::M44f Camera::world_to_camera() const
+{
+    return Imath::M44f(view_matrix());
+}
 
 Imath::M44f Camera::world_to_ndc(const Vec2i& size) const
 {

@@ -5,14 +5,16 @@
 
 #include <Imath/ImathMatrix.h>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Schema of the [camera] table: eye, target, up, hfov or vfov, shutter_open, shutter_close.
 const Schema& camera_schema();
 
 /// World space is right-handed with z up. Camera space, as EXR files from RenderMan have it: x to the right, y up in the picture, z forward, so that
 /// z is the distance along the view axis (left-handed). Immutable, thread-safe.
-class Camera {
+class Camera
+{
 public:
     /// Throws Error (scene) at the value's position if eye and target coincide, `up` is along the view, or both fields of view are given.
     explicit Camera(const Values& values);
@@ -24,8 +26,8 @@ public:
     Ray ray(const Vec2d& film, const Vec2i& size, double time) const;
 
     const Vec3d& eye() const { return eye_; }
-    const Vec3d& forward() const { return forward_; }   ///< unit
-    double shutter_open() const { return shutter_open_; }   ///< seconds after the frame's own time
+    const Vec3d& forward() const { return forward_; }      ///< unit
+    double shutter_open() const { return shutter_open_; }  ///< seconds after the frame's own time
     double shutter_close() const { return shutter_close_; }
 
     /// Distance of `p` from the eye along the view axis, metres: the Z channel.
@@ -42,7 +44,7 @@ public:
 private:
     void look(const Vec3d& target, const Vec3d& up);
     Imath::M44d view_matrix() const;
-    Vec2d half_extent(const Vec2i& size) const;   ///< tangents of half the field of view, horizontal and vertical
+    Vec2d half_extent(const Vec2i& size) const;  ///< tangents of half the field of view, horizontal and vertical
 
     Vec3d eye_{0.0}, right_{1, 0, 0}, up_{0, 0, 1}, forward_{0, 1, 0};
     double half_fov_tangent_ = 1.0;

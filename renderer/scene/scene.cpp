@@ -1,7 +1,7 @@
 // Description -> Scene: makes each terrain by its catalogue row, gives each material a look, each light its table, and everything to the tracer.
 //
-// Materials are named by the terrains; the scene numbers the names in the order in which they first appear. A material that no table describes looks as
-// its name suggests. Where several are visible at a point their albedo, roughness and normals are averaged by their shares.
+// Materials are named by the terrains; the scene numbers the names in the order in which they first appear. A material that no table describes looks
+// as its name suggests. Where several are visible at a point their albedo, roughness and normals are averaged by their shares.
 
 #include "renderer/scene/scene.h"
 
@@ -10,8 +10,10 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 std::vector<std::string> catalogue_names()
 {
@@ -23,7 +25,9 @@ std::vector<std::string> catalogue_names()
 Shape make_shape(const DescribedNode& node, const Description& description, const SceneOptions& options)
 {
     const CatalogueEntry* entry = find_in_catalogue(node.type);
-    if (!entry) throw Error(ErrorKind::scene, Problem{node.where, "unknown terrain type", {}, "\"" + node.type + "\"", nearest_name(node.type, catalogue_names())});
+    if (!entry)
+        throw Error(ErrorKind::scene,
+                    Problem{node.where, "unknown terrain type", {}, "\"" + node.type + "\"", nearest_name(node.type, catalogue_names())});
     BuildContext context;
     context.name = node.name;
     context.seed = node.seed;
@@ -117,7 +121,8 @@ void Scene::check_camera() const
     for (std::size_t i = 0; i < shapes_.size(); ++i) {
         const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shapes_[i]);
         if (surface && (*surface)->contains(camera_.eye()))
-            throw Error(ErrorKind::scene, Problem{camera_.where(), "the camera stands inside the terrain \"" + objects_[i].name + "\"", "an eye in air", {}, {}});
+            throw Error(ErrorKind::scene,
+                        Problem{camera_.where(), "the camera stands inside the terrain \"" + objects_[i].name + "\"", "an eye in air", {}, {}});
     }
 }
 

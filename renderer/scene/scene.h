@@ -13,35 +13,37 @@
 #include <string>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// One terrain of the scene. Its index + 1 is the objectId in a picture.
 struct SceneObject {
     std::string name;
-    std::string type;                        ///< catalogue row
-    std::vector<std::uint32_t> materials;    ///< index of MaterialWeights -> index into Scene::material_names()
-    SurfaceInfo info;                        ///< of a Surface; of a mesh: trace_bytes and patches (triangles)
+    std::string type;                      ///< catalogue row
+    std::vector<std::uint32_t> materials;  ///< index of MaterialWeights -> index into Scene::material_names()
+    SurfaceInfo info;                      ///< of a Surface; of a mesh: trace_bytes and patches (triangles)
 };
 
 /// How a Scene is built; every member may stay empty.
 struct SceneOptions {
-    ColorConverter to_rendering;             ///< required as soon as the scene names a colour
+    ColorConverter to_rendering;  ///< required as soon as the scene names a colour
     int threads = 0;
     std::function<void(double fraction, const std::string& what)> progress;
-    bool brute_force = false;                ///< the oracle instead of Embree
+    bool brute_force = false;  ///< the oracle instead of Embree
 };
 
 /// A scene made by code instead of a file. Materials without a look get the default one of their name.
 struct SceneParts {
     Camera camera;
     std::vector<Light> lights;
-    std::vector<SceneObject> objects;        ///< name and type; the rest is filled in
-    std::vector<Shape> shapes;               ///< one an object
+    std::vector<SceneObject> objects;  ///< name and type; the rest is filled in
+    std::vector<Shape> shapes;         ///< one an object
     std::map<std::string, std::unique_ptr<Look>> looks;
 };
 
 /// Thread-safe.
-class Scene {
+class Scene
+{
 public:
     /// Throws Error (scene, file, memory) before the first ray.
     Scene(const Description& description, const SceneOptions& options);

@@ -5,7 +5,8 @@
 
 #include <variant>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Each member has evaluate(wo, wi) and sample(wo, u) with the contracts stated at Lambert. Room for microfacets and dielectrics.
 using Bsdf = std::variant<Lambert, RoughDiffuse>;

@@ -8,9 +8,9 @@
 // Albedo 1 loses nothing at any roughness. Deviation: sampled by the cosine lobe and, at grazing angles, by an even share,
 // not by the paper's clipped transform; a weight is at most 7 and rarely over 2.
 //
-// Two normals. A shading normal s that differs from the geometric g breaks two things: directions of the lobe fall below the surface (lost light), and
-// directions below the horizon of g but above that of s are cut off hard (the terminator; Hanika2021 shows the cases, Chiang2019 fades them at the
-// price of energy). Here the lobe is capped by k times the geometric cosine and what the cap takes is given back as a cosine lobe around g:
+// Two normals. A shading normal s that differs from the geometric g breaks two things: directions of the lobe fall below the surface (lost light),
+// and directions below the horizon of g but above that of s are cut off hard (the terminator; Hanika2021 shows the cases, Chiang2019 fades them at
+// the price of energy). Here the lobe is capped by k times the geometric cosine and what the cap takes is given back as a cosine lobe around g:
 //     p = (min(w.s, k w.g)+ + l (w.g)+) / pi.
 // The loss has a closed form: the plane w.(s - k g) = 0 separates the parts, the projected area of a half disc cut by a plane of normal m is
 // pi/2 (1 + m.n), so with d = |s - k g|:
@@ -26,11 +26,13 @@
 #include <bit>
 #include <cmath>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kCap = 2.0;   // k
+constexpr double kCap = 2.0;  // k
 
 /// Cosines of directions on the horizon, where the rough model divides by them.
 constexpr double kSmallestCosine = 1e-4;
@@ -126,7 +128,10 @@ Vec3f RoughDiffuse::shape(double mu_i, double mu_o, double c) const
 }
 
 /// Share of samples that are spread evenly: at grazing angles the model looks back along wo with values that a cosine lobe would meet too rarely.
-double RoughDiffuse::even_share(double mu_o) const { return 0.3 * roughness_ * (1.0 - mu_o) * (1.0 - mu_o); }
+double RoughDiffuse::even_share(double mu_o) const
+{
+    return 0.3 * roughness_ * (1.0 - mu_o) * (1.0 - mu_o);
+}
 
 BsdfValue RoughDiffuse::evaluate(const Vec3d& wo, const Vec3d& wi) const
 {

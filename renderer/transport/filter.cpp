@@ -11,8 +11,10 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 constexpr std::size_t kCells = 1024;
 constexpr double kPi = 3.14159265358979323846;
@@ -36,14 +38,16 @@ double Filter::default_width(const std::string& kind)
     if (kind == "gaussian") return 3.0;
     if (kind == "box") return 1.0;
     const std::vector<std::string> kinds{"blackman-harris", "gaussian", "box"};
-    throw Error(ErrorKind::scene, Problem{{}, "unknown pixel filter", "blackman-harris, gaussian or box", "\"" + kind + "\"", nearest_name(kind, kinds)});
+    throw Error(ErrorKind::scene,
+                Problem{{}, "unknown pixel filter", "blackman-harris, gaussian or box", "\"" + kind + "\"", nearest_name(kind, kinds)});
 }
 
 Filter::Filter(const std::string& kind, double width) : width_(width == 0.0 ? default_width(kind) : width)
 {
     default_width(kind);
     if (!(width_ > 0.0) || !std::isfinite(width_))
-        throw Error(ErrorKind::scene, Problem{{}, "the width of the pixel filter is out of range", "a positive number of pixels", std::to_string(width), {}});
+        throw Error(ErrorKind::scene,
+                    Problem{{}, "the width of the pixel filter is out of range", "a positive number of pixels", std::to_string(width), {}});
 
     // Cumulative sums over fine steps, then the places where they pass each share.
     constexpr std::size_t steps = 16 * kCells;

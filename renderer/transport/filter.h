@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// A separable, non-negative filter around a pixel's centre. Every sample has weight 1. Immutable, thread-safe.
-class Filter {
+class Filter
+{
 public:
     /// `kind`: "box", "gaussian" or "blackman-harris". `width`: diameter in pixels; 0 takes the kind's own (default_width).
     /// Throws Error (scene) on an unknown kind or a width that is negative or not finite.
@@ -28,7 +30,7 @@ private:
     double offset(double u) const;
 
     double width_;
-    std::vector<double> quantiles_;    ///< offsets in pixels of equal shares of the filter; the density is constant between
+    std::vector<double> quantiles_;  ///< offsets in pixels of equal shares of the filter; the density is constant between
 };
 
 }  // namespace hoodoo

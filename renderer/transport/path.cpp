@@ -7,7 +7,8 @@
 //   sampled, such as the constant sky, has w_b = 1: for it the scattered ray is the ideal sample and costs nothing. A light's p_l is that of the
 //   light alone, since every light is sampled at every point.
 // Roulette survives with probability q = min(1, largest channel of b) and divides by q, so a lossless path goes on for ever in a closed world;
-//   after kLossless events q is at most 0.95 as well, which keeps the mean. All rays spawn on the air side of the surface and look for entries into matter.
+//   after kLossless events q is at most 0.95 as well, which keeps the mean. All rays spawn on the air side of the surface and look for entries into
+//   matter.
 // Missing: media, dielectrics, lights at a finite distance.
 
 #include "renderer/transport/path.h"
@@ -17,20 +18,23 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 constexpr int kLossless = 1000;
 
-/// A matte surface scatters over the hemisphere: what the scattered ray looks up may be averaged over a sixteenth of it, a cone about half as wide as long.
+/// A matte surface scatters over the hemisphere: what the scattered ray looks up may be averaged over a sixteenth of it, a cone about half as wide as
+/// long.
 constexpr double kDiffuseSpread = 0.5;
 
 /// A surface point of a path, ready to scatter.
 struct Vertex {
     Interaction at;
     Appearance look;
-    Vec3d spawn;          ///< origin of rays that leave, proved to be outside
-    Vec3d wo;             ///< towards the previous point
+    Vec3d spawn;  ///< origin of rays that leave, proved to be outside
+    Vec3d wo;     ///< towards the previous point
     double footprint;
 };
 
@@ -39,7 +43,7 @@ Vertex make_vertex(const Scene& scene, const Ray& ray, const TraceHit& hit)
     Vertex v;
     v.at = scene.tracer().interact(ray, hit);
     v.wo = -ray.direction;
-    if (v.at.geometric_normal.dot(v.wo) < 0.0) {   // the back of an open mesh, lit like its front
+    if (v.at.geometric_normal.dot(v.wo) < 0.0) {  // the back of an open mesh, lit like its front
         v.at.geometric_normal = -v.at.geometric_normal;
         v.at.shading_normal = -v.at.shading_normal;
     }

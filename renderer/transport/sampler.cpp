@@ -13,11 +13,13 @@
 
 #include <vector>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 constexpr unsigned kBits = 32;
-using Matrix = std::array<std::uint32_t, kBits>;   // column k: what bit k of the index contributes
+using Matrix = std::array<std::uint32_t, kBits>;  // column k: what bit k of the index contributes
 
 constexpr std::uint32_t reverse_bits(std::uint32_t x)
 {
@@ -31,7 +33,7 @@ Matrix make_matrix(unsigned dimension)
 {
     using Table = boost::random::detail::qrng_tables::sobol;
     Matrix m{};
-    if (dimension == 0) {   // the van der Corput sequence
+    if (dimension == 0) {  // the van der Corput sequence
         for (unsigned k = 0; k < kBits; ++k) m[k] = 1u << (kBits - 1 - k);
         return m;
     }
@@ -84,20 +86,29 @@ constexpr std::uint32_t scramble_reversed(std::uint32_t x, std::uint32_t seed)
     return x;
 }
 
-constexpr std::uint32_t scrambled(std::uint32_t fraction, std::uint32_t seed) { return reverse_bits(scramble_reversed(reverse_bits(fraction), seed)); }
+constexpr std::uint32_t scrambled(std::uint32_t fraction, std::uint32_t seed)
+{
+    return reverse_bits(scramble_reversed(reverse_bits(fraction), seed));
+}
 
 }  // namespace
 
-std::uint32_t sobol_bits(std::uint32_t index, unsigned dimension) { return multiply(make_matrix(dimension), index); }
+std::uint32_t sobol_bits(std::uint32_t index, unsigned dimension)
+{
+    return multiply(make_matrix(dimension), index);
+}
 
-std::uint32_t owen_scramble(std::uint32_t fraction, std::uint32_t seed) { return scrambled(fraction, seed); }
+std::uint32_t owen_scramble(std::uint32_t fraction, std::uint32_t seed)
+{
+    return scrambled(fraction, seed);
+}
 
 std::array<double, Sampler::set_size> Sampler::get(std::uint32_t set) const
 {
     const std::uint64_t a = mix64(key_ + set), b = mix64(a), c = mix64(b);
 
-    // Shuffle: each bit of the index depends on the higher ones, so aligned blocks of 2^k samples stay together and sets pair up at random. (Were it the
-    // lower ones, the leading bits of all sets would agree within a pixel.)
+    // Shuffle: each bit of the index depends on the higher ones, so aligned blocks of 2^k samples stay together and sets pair up at random. (Were it
+    // the lower ones, the leading bits of all sets would agree within a pixel.)
     const std::uint32_t index = scrambled(sample_, static_cast<std::uint32_t>(a));
 
     std::array<std::uint32_t, set_size> x{reverse_bits(index), 0, 0, 0};
@@ -105,8 +116,8 @@ std::array<double, Sampler::set_size> Sampler::get(std::uint32_t set) const
         const auto& part = tables.bytes[byte][(index >> (8 * byte)) & 255u];
         for (unsigned d = 1; d < set_size; ++d) x[d] ^= part[d - 1];
     }
-    const std::array<std::uint32_t, set_size> seeds{static_cast<std::uint32_t>(a >> 32), static_cast<std::uint32_t>(b), static_cast<std::uint32_t>(b >> 32),
-                                                    static_cast<std::uint32_t>(c)};
+    const std::array<std::uint32_t, set_size> seeds{static_cast<std::uint32_t>(a >> 32), static_cast<std::uint32_t>(b),
+                                                    static_cast<std::uint32_t>(b >> 32), static_cast<std::uint32_t>(c)};
     std::array<double, set_size> u;
     for (unsigned d = 0; d < set_size; ++d) u[d] = scrambled(x[d], seeds[d]) * 0x1p-32;
     return u;

@@ -7,11 +7,13 @@
 #include <array>
 #include <cstdint>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// The Owen-scrambled Sobol' points of one pixel. A *set* is four dimensions stratified together; different sets are shuffled against each other.
 /// Any number of samples may be taken: powers of two are stratified best, and every prefix of a power of two is a net of its own.
-class Sampler {
+class Sampler
+{
 public:
     static constexpr unsigned set_size = 4;
 

@@ -1,8 +1,8 @@
 // Tiles in row order over a TBB arena of our own; a pixel is a pure function of its number, so any arrangement gives the same picture.
 //
-// TBB hands its workers the floating-point state that was current when the arena was made, so flush-to-zero is set inside each tile and undone after it:
-// a host's own threads must not notice. Denormal numbers are flushed because Embree expects it and tests directions wrongly without.
-// A replicate has ceil or floor of samples / replicates samples, the first ones the larger share.
+// TBB hands its workers the floating-point state that was current when the arena was made, so flush-to-zero is set inside each tile and undone after
+// it: a host's own threads must not notice. Denormal numbers are flushed because Embree expects it and tests directions wrongly without. A replicate
+// has ceil or floor of samples / replicates samples, the first ones the larger share.
 
 #include "renderer/transport/tiles.h"
 
@@ -20,11 +20,14 @@
 #include <optional>
 #include <vector>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 /// Flush-to-zero and denormals-are-zero while it lives.
-class FlushDenormals {
+class FlushDenormals
+{
 public:
     FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | 0x8040u); }
     ~FlushDenormals() { _mm_setcsr(saved_); }
@@ -35,7 +38,8 @@ private:
     unsigned saved_;
 };
 
-class Tracing {
+class Tracing
+{
 public:
     Tracing(const Scene& scene, const PathSettings& path, const TileSettings& settings, Film& film)
         : scene_(scene), path_(path), settings_(settings), film_(film), layout_(film.layout())
@@ -74,7 +78,7 @@ private:
             const int samples = layout_.samples / replicates + (r < layout_.samples % replicates ? 1 : 0);
             Sampler sampler(path_.seed, path_.frame, pixel, static_cast<std::uint32_t>(r));
             for (int s = 0; s < samples; ++s) {
-                if (cancelled()) return;   // between samples: a pixel alone may take minutes
+                if (cancelled()) return;  // between samples: a pixel alone may take minutes
                 sampler.start(static_cast<std::uint32_t>(s));
                 const auto u = sampler.get(0);
                 const Vec2d film = Vec2d(pixel.x + 0.5, pixel.y + 0.5) + settings_.filter.sample(Vec2d(u[0], u[1]));

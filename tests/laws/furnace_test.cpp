@@ -1,15 +1,17 @@
 // Energy: a white world under a white sky is invisible, and a cave of any albedo is as bright as its series says.
 //
 // In a hollow sphere every wall element sees every other with the same form factor, so a Lambertian wall of albedo a, whose opening takes the share f
-// of the sphere and shows a sky of radiance 1, has the radiance L = a (f + (1 - f) L): the geometric series sum over n >= 1 of a^n (1 - f)^(n - 1) f, in which
-// n counts scattering events. A lid at height z = h leaves f = (1 - h) / 2.
+// of the sphere and shows a sky of radiance 1, has the radiance L = a (f + (1 - f) L): the geometric series sum over n >= 1 of a^n (1 - f)^(n - 1) f,
+// in which n counts scattering events. A lid at height z = h leaves f = (1 - h) / 2.
 #include "tests/counts.h"
 #include "tests/support/lit_scenes.h"
 
 #include <gtest/gtest.h>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 using testing::Cave;
 using testing::lit_parts;
@@ -24,7 +26,9 @@ constexpr double kPi = 3.14159265358979323846;
 Scene cave(double opening, float albedo, double tilt, float roughness = 0.0f)
 {
     const Camera camera(Vec3d(0.0), Vec3d(0, 0, -1), Vec3d(0, 1, 0), 1.0, true);
-    return Scene(lit_parts(camera, std::make_unique<Cave>(1.0 - 2.0 * opening), {ConstantSky(Vec3f(1.0f))}, std::make_unique<PlainLook>(albedo, tilt, roughness)), {});
+    return Scene(lit_parts(camera, std::make_unique<Cave>(1.0 - 2.0 * opening), {ConstantSky(Vec3f(1.0f))},
+                           std::make_unique<PlainLook>(albedo, tilt, roughness)),
+                 {});
 }
 
 double cave_radiance(const Scene& scene, int depth, int samples)

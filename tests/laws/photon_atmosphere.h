@@ -6,14 +6,17 @@
 #include <cmath>
 #include <random>
 
-namespace hoodoo::testing {
+namespace hoodoo::testing
+{
 
 /// Backward walks from the observer. Free paths by null collisions (Woodcock1965), transmittance to the sun by ratio tracking: both unbiased.
-class PhotonAtmosphere {
+class PhotonAtmosphere
+{
 public:
-    PhotonAtmosphere(const AtmosphereParameters& parameters, double sun_sine, int band) : parameters_(parameters), sun_(std::sqrt(1.0 - sun_sine * sun_sine), 0.0, sun_sine)
+    PhotonAtmosphere(const AtmosphereParameters& parameters, double sun_sine, int band)
+        : parameters_(parameters), sun_(std::sqrt(1.0 - sun_sine * sun_sine), 0.0, sun_sine)
     {
-        const Atmosphere air(parameters, sun_sine);   // for its coefficients only
+        const Atmosphere air(parameters, sun_sine);  // for its coefficients only
         rayleigh_ = air.coefficients().rayleigh[band];
         scattering_ = air.coefficients().aerosol_scattering[band];
         extinction_ = air.coefficients().aerosol_extinction[band];
@@ -27,7 +30,7 @@ public:
         random_.seed(seed);
         double sum = 0.0, square = 0.0;
         for (int i = 0; i < walks; ++i) {
-            const double x = pi * walk(cosine_direction(Vec3d(0, 0, 1)));   // cosine over density is pi
+            const double x = pi * walk(cosine_direction(Vec3d(0, 0, 1)));  // cosine over density is pi
             sum += x, square += x * x;
         }
         const double mean = sum / walks;
@@ -35,7 +38,7 @@ public:
         return mean;
     }
 
-    int max_events = 1000;   ///< collisions a walk
+    int max_events = 1000;  ///< collisions a walk
 
 private:
     static constexpr double pi = 3.14159265358979323846;
@@ -102,7 +105,8 @@ private:
             weight *= (molecules + haze) / (molecules + extinction_ * d.aerosol + ozone_ * d.ozone);
             const bool by_haze = uniform() * (molecules + haze) < haze;
             const double c = w.dot(sun_);
-            sum += weight * (by_haze ? Atmosphere::aerosol_phase(c, parameters_.aerosol_asymmetry) : Atmosphere::rayleigh_phase(c)) * transmittance(p, sun_);
+            sum += weight * (by_haze ? Atmosphere::aerosol_phase(c, parameters_.aerosol_asymmetry) : Atmosphere::rayleigh_phase(c)) *
+                   transmittance(p, sun_);
             w = around(w, by_haze ? haze_cosine() : molecule_cosine());
         }
         return sum;

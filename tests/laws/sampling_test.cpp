@@ -8,8 +8,10 @@
 
 #include <functional>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 using testing::Chart;
 using testing::SphereChart;
@@ -19,7 +21,8 @@ using Sample = std::function<Vec3d(std::mt19937_64&)>;
 using Density = std::function<double(const Vec3d&)>;
 
 /// The upper half of a sky table in the table's own coordinates, so that cells of the test are made of whole cells of the table.
-class SkyChart final : public Chart {
+class SkyChart final : public Chart
+{
 public:
     explicit SkyChart(const Vec3d& sun) : north_(Vec3d(sun.x, sun.y, 0.0).normalized()), east_(north_.y, -north_.x, 0.0) {}
     Vec3d direction(double a, double b) const override
@@ -53,20 +56,38 @@ void expect_law_and_mutant(const Chart& chart, const Sample& sample, const Densi
     EXPECT_LT(counts.against(rippled, fine).p_value, 1e-8) << "the mutant passed";
 }
 
-Vec3d tilted(double angle, double azimuth) { return Vec3d(std::sin(angle) * std::cos(azimuth), std::sin(angle) * std::sin(azimuth), std::cos(angle)); }
+Vec3d tilted(double angle, double azimuth)
+{
+    return Vec3d(std::sin(angle) * std::cos(azimuth), std::sin(angle) * std::sin(azimuth), std::cos(angle));
+}
 
 void expect_bsdf(const Vec3d& shading, const Vec3d& geometric, const Vec3d& wo, float roughness)
 {
     const Bsdf bsdf = make_diffuse(shading, geometric, Vec3f(0.8f), roughness);
     expect_law_and_mutant(
-        SphereChart(geometric), [&](std::mt19937_64& r) { return sample(bsdf, wo, {uniform(r), uniform(r), uniform(r)}).direction; },
+        SphereChart(geometric),
+        [&](std::mt19937_64& r) {
+            return sample(bsdf, wo, {uniform(r), uniform(r), uniform(r)}).direction;
+        },
         [&](const Vec3d& w) { return evaluate(bsdf, wo, w).pdf; }, 12, 12, 40);
 }
 
-TEST(Sampling, lambert_follows_its_density) { expect_bsdf(Vec3d(0, 0, 1), Vec3d(0, 0, 1), tilted(0.7, 1.0), 0.0f); }
-TEST(Sampling, rough_diffuse_follows_its_density) { expect_bsdf(tilted(1.1, 2.0), tilted(1.1, 2.0), tilted(0.9, 2.5), 0.7f); }
-TEST(Sampling, a_slightly_tilted_lobe_follows_its_density) { expect_bsdf(tilted(0.2, 0.3), Vec3d(0, 0, 1), tilted(0.7, 1.0), 0.0f); }
-TEST(Sampling, a_strongly_tilted_lobe_follows_its_density) { expect_bsdf(tilted(1.2, 0.3), Vec3d(0, 0, 1), tilted(0.7, 1.0), 0.3f); }
+TEST(Sampling, lambert_follows_its_density)
+{
+    expect_bsdf(Vec3d(0, 0, 1), Vec3d(0, 0, 1), tilted(0.7, 1.0), 0.0f);
+}
+TEST(Sampling, rough_diffuse_follows_its_density)
+{
+    expect_bsdf(tilted(1.1, 2.0), tilted(1.1, 2.0), tilted(0.9, 2.5), 0.7f);
+}
+TEST(Sampling, a_slightly_tilted_lobe_follows_its_density)
+{
+    expect_bsdf(tilted(0.2, 0.3), Vec3d(0, 0, 1), tilted(0.7, 1.0), 0.0f);
+}
+TEST(Sampling, a_strongly_tilted_lobe_follows_its_density)
+{
+    expect_bsdf(tilted(1.2, 0.3), Vec3d(0, 0, 1), tilted(0.7, 1.0), 0.3f);
+}
 
 TEST(Sampling, the_sun_disc_follows_its_density)
 {
@@ -76,8 +97,9 @@ TEST(Sampling, the_sun_disc_follows_its_density)
     const DiscSun sun(direction, Vec3f(1.0f), diameter);
     // Rounding of directions near the rim is 1e-16 against a radius of 5e-3, so a sample may fall outside by less than one in 10^13.
     expect_law_and_mutant(
-        SphereChart(direction, 2.0 * quarter * quarter * (1.0 + 1e-12)), [&](std::mt19937_64& r) { return sun.sample(Vec2d(uniform(r), uniform(r))).direction; },
-        [&](const Vec3d& w) { return sun.pdf(w); }, 10, 20, 4);
+        SphereChart(direction, 2.0 * quarter * quarter * (1.0 + 1e-12)),
+        [&](std::mt19937_64& r) { return sun.sample(Vec2d(uniform(r), uniform(r))).direction; }, [&](const Vec3d& w) { return sun.pdf(w); }, 10, 20,
+        4);
 }
 
 TEST(Sampling, the_clear_sky_follows_its_density)
@@ -85,7 +107,8 @@ TEST(Sampling, the_clear_sky_follows_its_density)
     const Vec3d direction = compass_direction(0.35, 2.0);
     const SkyTable table(AtmosphereParameters{}, direction, [](const Vec3d& c) { return Vec3f(c); });
     expect_law_and_mutant(
-        SkyChart(direction), [&](std::mt19937_64& r) { return table.sample(Vec2d(uniform(r), uniform(r))); }, [&](const Vec3d& w) { return table.pdf(w); }, 16, 16, 16);
+        SkyChart(direction), [&](std::mt19937_64& r) { return table.sample(Vec2d(uniform(r), uniform(r))); },
+        [&](const Vec3d& w) { return table.pdf(w); }, 16, 16, 16);
 }
 
 TEST(Sampling, a_light_sample_says_what_radiance_and_density_say)

@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 constexpr double kPi = 3.14159265358979323846;
 
@@ -27,7 +29,10 @@ Spectrum diffuse_irradiance(const Atmosphere& air)
     return sum;
 }
 
-double degrees(double x) { return x * kPi / 180.0; }
+double degrees(double x)
+{
+    return x * kPi / 180.0;
+}
 
 TEST(Sky, energy_is_that_of_random_walks)
 {
@@ -46,7 +51,8 @@ TEST(Sky, energy_is_that_of_random_walks)
                 double error = 0.0;
                 const double sun = solar_irradiance(wavelength(static_cast<int>(band)));
                 const double walked = sun * testing::PhotonAtmosphere(parameters, sine, static_cast<int>(band)).diffuse_irradiance(walks, 7, error);
-                EXPECT_NEAR(mine[band], walked, 0.05 * walked + 4.0 * sun * error) << "haze " << haze << ", sun at " << elevation << ", band " << band;
+                EXPECT_NEAR(mine[band], walked, 0.05 * walked + 4.0 * sun * error)
+                    << "haze " << haze << ", sun at " << elevation << ", band " << band;
                 sum += mine[band], walked_sum += walked;
             }
             EXPECT_NEAR(sum, walked_sum, 0.05 * walked_sum) << "haze " << haze << ", sun at " << elevation;
@@ -93,7 +99,8 @@ TEST(Sky, a_table_shows_what_the_air_does)
             const double c = std::cos(degrees(e)), s = std::sin(degrees(e));
             const Vec3d exact = to_acescg(air.radiance(Vec3d(c * std::cos(degrees(azimuth)), c * std::sin(degrees(azimuth)), s)));
             EXPECT_NEAR(sky.radiance(compass_direction(degrees(e), degrees(azimuth))).y, exact.y, 0.02 * exact.y) << e << " " << azimuth;
-            EXPECT_EQ(sky.radiance(compass_direction(degrees(e), degrees(azimuth))), sky.radiance(compass_direction(degrees(e), degrees(-azimuth)))) << "both sides alike";
+            EXPECT_EQ(sky.radiance(compass_direction(degrees(e), degrees(azimuth))), sky.radiance(compass_direction(degrees(e), degrees(-azimuth))))
+                << "both sides alike";
         }
     }
 }

@@ -7,8 +7,10 @@
 
 #include <cstring>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 using testing::lit_parts;
 using testing::PlainLook;
@@ -21,7 +23,7 @@ Scene landscape()
     const Vec3d sun = compass_direction(0.5, 1.0);
     const auto table = std::make_shared<const SkyTable>(AtmosphereParameters{}, sun, [](const Vec3d& c) { return Vec3f(c); });
     TriangleMesh mesh = testing::ground(20.0f);
-    for (float i = -3; i <= 3; ++i) {   // steps that shade each other
+    for (float i = -3; i <= 3; ++i) {  // steps that shade each other
         const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
         for (const Vec3f& v : {Vec3f(i, -5, 0), Vec3f(i, 5, 0), Vec3f(i, 5, 2), Vec3f(i, -5, 2)}) mesh.vertices.push_back(v);
         mesh.triangles.push_back({first, first + 1, first + 2});

@@ -10,18 +10,20 @@
 #include <random>
 #include <vector>
 
-namespace hoodoo::testing {
+namespace hoodoo::testing
+{
 
 /// Directions as the unit square: direction(a, b), its inverse, and the solid angle of a unit of the square.
 struct Chart {
     virtual ~Chart() = default;
     virtual Vec3d direction(double a, double b) const = 0;
-    virtual Vec2d place(const Vec3d& w) const = 0;     ///< may lie outside the unit square
+    virtual Vec2d place(const Vec3d& w) const = 0;  ///< may lie outside the unit square
     virtual double solid_angle(double a, double b) const = 0;
 };
 
 /// a = from `axis` backwards in equal solid angles, over the whole sphere (`span` 2) or the part 1 - cosine <= span.
-class SphereChart final : public Chart {
+class SphereChart final : public Chart
+{
 public:
     explicit SphereChart(const Vec3d& axis, double span = 2.0) : axis_(axis), span_(span) { orthonormal_frame(axis_, t_, b_); }
     Vec3d direction(double a, double b) const override
@@ -43,15 +45,16 @@ private:
 };
 
 struct DensityVerdict {
-    double p_value = 0.0;      ///< probability of a statistic this large if the sampler is right
-    double integral = 0.0;     ///< of the density over the chart
-    double outside = 0.0;      ///< share of samples off the chart or in cells where the density is 0
+    double p_value = 0.0;   ///< probability of a statistic this large if the sampler is right
+    double integral = 0.0;  ///< of the density over the chart
+    double outside = 0.0;   ///< share of samples off the chart or in cells where the density is 0
     /// One chance in 10^8: a hundred such tests stay under one false alarm in a million runs.
     bool holds() const { return p_value > 1e-8 && std::abs(integral - 1.0) < 2e-3 && outside == 0.0; }
 };
 
 /// Samples counted in `rows` x `columns` equal cells of a chart, to be held against densities.
-class DirectionCounts {
+class DirectionCounts
+{
 public:
     /// `sample(random engine) -> direction`.
     template <class Sample>
@@ -113,6 +116,9 @@ private:
     double outside_ = 0.0;
 };
 
-inline double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
+inline double uniform(std::mt19937_64& random)
+{
+    return static_cast<double>(random() >> 11) * 0x1p-53;
+}
 
 }  // namespace hoodoo::testing

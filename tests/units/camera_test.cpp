@@ -3,13 +3,21 @@
 
 #include <gtest/gtest.h>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 constexpr double kPi = 3.14159265358979323846;
 
-Node number(double x) { return Node{x, {}, {}}; }
-Node vector(double x, double y, double z) { return Node{Node::Array{number(x), number(y), number(z)}, {}, {}}; }
+Node number(double x)
+{
+    return Node{x, {}, {}};
+}
+Node vector(double x, double y, double z)
+{
+    return Node{Node::Array{number(x), number(y), number(z)}, {}, {}};
+}
 
 /// A [camera] table with the entries given.
 Values camera_values(Node::Table table)

@@ -6,8 +6,10 @@
 
 #include <random>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 constexpr double kPi = 3.14159265358979323846;
 
@@ -43,7 +45,8 @@ TEST(Diffuse, the_rough_model_loses_nothing_at_albedo_one)
         const Bsdf bsdf = make_diffuse(Vec3d(0, 0, 1), Vec3d(0, 0, 1), Vec3f(1.0f), roughness);
         for (const double mu : {0.05, 0.3, 0.7, 1.0}) {
             const Vec3d wo = spherical(mu, 0.4);
-            EXPECT_NEAR(over_hemisphere([&](const Vec3d& wi) { return evaluate(bsdf, wo, wi).value.y; }), 1.0, 2e-3) << "roughness " << roughness << ", cosine " << mu;
+            EXPECT_NEAR(over_hemisphere([&](const Vec3d& wi) { return evaluate(bsdf, wo, wi).value.y; }), 1.0, 2e-3)
+                << "roughness " << roughness << ", cosine " << mu;
         }
     }
 }
@@ -73,7 +76,8 @@ TEST(Diffuse, models_are_reciprocal_where_the_normals_agree)
     for (int i = 0; i < testing::count(10000, 1000000); ++i) {
         const Bsdf bsdf = make_diffuse(n, n, Vec3f(0.3f, 0.6f, 1.0f), static_cast<float>(u()));
         const Vec3d wo = direction(), wi = direction();
-        const Vec3f f = evaluate(bsdf, wo, wi).value / static_cast<float>(wi.dot(n)), g = evaluate(bsdf, wi, wo).value / static_cast<float>(wo.dot(n));
+        const Vec3f f = evaluate(bsdf, wo, wi).value / static_cast<float>(wi.dot(n)),
+                    g = evaluate(bsdf, wi, wo).value / static_cast<float>(wo.dot(n));
         ASSERT_NEAR(f.x, g.x, 1e-5 * g.x + 1e-7);
         ASSERT_NEAR(f.z, g.z, 1e-5 * g.z + 1e-7);
     }

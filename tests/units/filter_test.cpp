@@ -6,8 +6,10 @@
 
 #include <cmath>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 /// Mean and deviation of one coordinate of the samples on an even grid of numbers.
 double deviation(const Filter& filter)
@@ -28,7 +30,7 @@ TEST(Filter, deviations_are_those_of_the_closed_forms)
     // Blackman-Harris of width W: W sqrt(a0/12 - a1/(2 pi^2) + a2/(8 pi^2) - a3/(18 pi^2)) / sqrt(a0) = 0.138507 W.
     EXPECT_NEAR(deviation(Filter("box")), 0.288675, 1e-5);
     EXPECT_NEAR(deviation(Filter("gaussian")), 0.49329, 1e-4);
-    EXPECT_NEAR(deviation(Filter("blackman-harris", 2.0)), 0.27701, 5e-4);   // its last cells are wide: a long, thin tail
+    EXPECT_NEAR(deviation(Filter("blackman-harris", 2.0)), 0.27701, 5e-4);  // its last cells are wide: a long, thin tail
 }
 
 TEST(Filter, samples_follow_the_density)

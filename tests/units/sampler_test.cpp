@@ -9,8 +9,10 @@
 #include <set>
 #include <vector>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 TEST(Sampler, points_are_those_of_boosts_engine)
 {
@@ -48,7 +50,8 @@ bool is_net(const Sampler& at, std::uint32_t set, unsigned a, unsigned b, unsign
     }
     for (unsigned k = 0; k <= m; ++k) {
         std::vector<int> boxes(n);
-        for (const auto& p : points) ++boxes[static_cast<std::size_t>(p[0] * (1u << k)) * (1u << (m - k)) + static_cast<std::size_t>(p[1] * (1u << (m - k)))];
+        for (const auto& p : points)
+            ++boxes[static_cast<std::size_t>(p[0] * (1u << k)) * (1u << (m - k)) + static_cast<std::size_t>(p[1] * (1u << (m - k)))];
         if (std::any_of(boxes.begin(), boxes.end(), [](int c) { return c != 1; })) return false;
     }
     return true;
@@ -57,7 +60,8 @@ bool is_net(const Sampler& at, std::uint32_t set, unsigned a, unsigned b, unsign
 TEST(Sampler, every_set_is_a_net_over_every_power_of_two)
 {
     for (std::uint32_t set : {0u, 1u, 7u, 100u})
-        for (unsigned m = 0; m <= 10; ++m) EXPECT_TRUE(is_net(Sampler(3, 0, Vec2i(5, 9), 0), set, 0, 1, m)) << "set " << set << ", 2^" << m << " samples";
+        for (unsigned m = 0; m <= 10; ++m)
+            EXPECT_TRUE(is_net(Sampler(3, 0, Vec2i(5, 9), 0), set, 0, 1, m)) << "set " << set << ", 2^" << m << " samples";
 }
 
 TEST(Sampler, the_third_and_fourth_dimension_are_a_worse_net_so_the_test_can_fail)
@@ -86,7 +90,8 @@ double pairing_variance(unsigned set_a, unsigned set_b, std::uint32_t samples)
 
 TEST(Sampler, sets_of_one_pixel_pair_up_at_random)
 {
-    // Randomly paired sets: variance (1/12)^2 / n, times 5/3 since neighbours in the sequence repel each other in both. Sets whose leading bits agree would keep (1/16)^2 = 4e-3 however many samples are taken.
+    // Randomly paired sets: variance (1/12)^2 / n, times 5/3 since neighbours in the sequence repel each other in both. Sets whose leading bits agree
+    // would keep (1/16)^2 = 4e-3 however many samples are taken.
     for (const std::uint32_t n : {64u, 1024u}) EXPECT_LT(pairing_variance(1, 2, n), 2.0 / 144.0 / n);
 }
 
