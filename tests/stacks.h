@@ -9,9 +9,13 @@
 #include <fstream>
 #include <memory>
 
-namespace hoodoo::testing {
+namespace hoodoo::testing
+{
 
-inline nlohmann::json golden_arches() { return nlohmann::json::parse(std::ifstream(HOODOO_SOURCE_DIR "/tests/golden/a_arches.json")); }
+inline nlohmann::json golden_arches()
+{
+    return nlohmann::json::parse(std::ifstream(HOODOO_SOURCE_DIR "/tests/golden/a_arches.json"));
+}
 
 /// The stack of a_arches.json. Its heights are multiples of 0.01: with that unit every value is exact.
 inline std::shared_ptr<MaterialStack> golden_stack()

@@ -3,7 +3,8 @@
 
 #include "terrain/schema.h"
 
-namespace hoodoo::testing {
+namespace hoodoo::testing
+{
 
 inline Node number(double x)
 {
@@ -12,7 +13,7 @@ inline Node number(double x)
     return node;
 }
 
-[[gnu::noinline]] inline Node text(const std::string& s)   // inlined, it makes GCC 12 warn of a variant it cannot follow
+[[gnu::noinline]] inline Node text(const std::string& s)  // inlined, it makes GCC 12 warn of a variant it cannot follow
 {
     Node node;
     node.value = s;

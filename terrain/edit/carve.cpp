@@ -14,9 +14,11 @@
 #include <algorithm>
 #include <functional>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 struct Ball {
     Vec3d centre;
@@ -39,7 +41,8 @@ void check(const Sweep& sweep)
         if (!is_finite(p)) refuse("point of a sweep", "finite coordinates", fmt::format("({}, {}, {})", p.x, p.y, p.z));
     }
     if (!(sweep.roughness >= 0.0 && sweep.roughness < 1.0)) refuse("roughness of a sweep", "0 or more, below 1", fmt::to_string(sweep.roughness));
-    if (!(std::isfinite(sweep.wavelength) && sweep.wavelength > 0.0)) refuse("wavelength of a sweep", "a positive length", fmt::to_string(sweep.wavelength));
+    if (!(std::isfinite(sweep.wavelength) && sweep.wavelength > 0.0))
+        refuse("wavelength of a sweep", "a positive length", fmt::to_string(sweep.wavelength));
 }
 
 std::vector<Ball> balls_of(const Sweep& sweep, double cell, double unit)
@@ -60,9 +63,12 @@ std::vector<Ball> balls_of(const Sweep& sweep, double cell, double unit)
 
 /// The columns a set of balls may touch, and what they remove from each.
 struct Cuts {
-    Vec2i from, to;   ///< [from, to)
+    Vec2i from, to;  ///< [from, to)
     std::vector<std::vector<Run>> of;
-    std::vector<Run>& at(int i, int j) { return of[static_cast<std::size_t>(j - from.y) * static_cast<std::size_t>(to.x - from.x) + static_cast<std::size_t>(i - from.x)]; }
+    std::vector<Run>& at(int i, int j)
+    {
+        return of[static_cast<std::size_t>(j - from.y) * static_cast<std::size_t>(to.x - from.x) + static_cast<std::size_t>(i - from.x)];
+    }
 };
 
 /// Columns whose middle lies in [low, high] (cells), cut to the grid.
@@ -76,7 +82,8 @@ void add_ball(const MaterialStack& stack, const Sweep& sweep, const Ball& ball, 
 {
     const double cell = stack.cell(), reach = ball.radius * (1.0 + sweep.roughness);
     const Vec3d c = ball.centre - stack.origin();
-    const Vec2i x = middles((c.x - reach) / cell, (c.x + reach) / cell, stack.size().x), y = middles((c.y - reach) / cell, (c.y + reach) / cell, stack.size().y);
+    const Vec2i x = middles((c.x - reach) / cell, (c.x + reach) / cell, stack.size().x),
+                y = middles((c.y - reach) / cell, (c.y + reach) / cell, stack.size().y);
     const Fractal fractal{4.0, 2.0, 0.5};
     const double scale = 2.0 * sweep.roughness / fbm_bound(kNoise3Bound, fractal).value;
     const auto height = [&](double rho2, const Vec3d& middle, double side) {
@@ -107,8 +114,10 @@ void unite(std::vector<Run>& runs)
     std::sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) { return a.bottom < b.bottom; });
     std::size_t kept = 0;
     for (const Run& run : runs) {
-        if (kept > 0 && run.bottom <= runs[kept - 1].top) runs[kept - 1].top = std::max(runs[kept - 1].top, run.top);
-        else runs[kept++] = run;
+        if (kept > 0 && run.bottom <= runs[kept - 1].top)
+            runs[kept - 1].top = std::max(runs[kept - 1].top, run.top);
+        else
+            runs[kept++] = run;
     }
     runs.resize(kept);
 }
@@ -118,8 +127,10 @@ std::vector<Layer> removed(std::span<const Layer> layers, std::span<const Run> c
     std::vector<Layer> left;
     const auto put = [&](Material material, std::int32_t top) {
         if (top <= (left.empty() ? 0 : left.back().top)) return;
-        if (!left.empty() && left.back().material == material) left.back().top = top;
-        else left.push_back({material, top});
+        if (!left.empty() && left.back().material == material)
+            left.back().top = top;
+        else
+            left.push_back({material, top});
     };
     std::int32_t below = 0;
     std::size_t c = 0;

@@ -5,14 +5,15 @@
 
 #include <cstddef>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// World metres. One radius for all points, or one for each; between two points place and radius change evenly.
 struct Sweep {
     std::vector<Vec3d> points;
     std::vector<double> radii;
-    double roughness = 0.0;     ///< share of the radius by which noise moves the wall, in [0, 1)
-    double wavelength = 1.0;    ///< of that noise, metres
+    double roughness = 0.0;   ///< share of the radius by which noise moves the wall, in [0, 1)
+    double wavelength = 1.0;  ///< of that noise, metres
     std::uint32_t seed = 0;
 };
 

@@ -14,9 +14,11 @@
 #include <algorithm>
 #include <memory>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 double smooth(double t)
 {
@@ -24,7 +26,10 @@ double smooth(double t)
     return t * t * (3.0 - 2.0 * t);
 }
 
-std::uint32_t low_bits(std::uint64_t seed) { return static_cast<std::uint32_t>(mix64(seed)); }
+std::uint32_t low_bits(std::uint64_t seed)
+{
+    return static_cast<std::uint32_t>(mix64(seed));
+}
 
 /// Moves points by up to `amount` metres with noise of the wavelength `wavelength`.
 struct Warp {
@@ -40,7 +45,10 @@ struct Warp {
     }
 };
 
-Warp warp_of(const Values& v, std::uint64_t seed) { return {v.number("warp"), v.number("warp_wavelength"), low_bits(hash_name(seed, "warp"))}; }
+Warp warp_of(const Values& v, std::uint64_t seed)
+{
+    return {v.number("warp"), v.number("warp_wavelength"), low_bits(hash_name(seed, "warp"))};
+}
 
 HeightFunction bedded(const Values& v, double low, double high, std::uint64_t seed, HeightFunction even)
 {
@@ -111,7 +119,8 @@ Nearest nearest_on(const std::vector<Vec3d>& line, const Vec2d& p)
 HeightFunction make_canyon(const Values& v, std::uint64_t seed)
 {
     const std::vector<Vec3d> line = v.points("points");
-    const double floor_half = 0.5 * v.number("floor_width"), rim_half = 0.5 * v.number("width"), rim = v.number("rim"), steepness = v.number("steepness");
+    const double floor_half = 0.5 * v.number("floor_width"), rim_half = 0.5 * v.number("width"), rim = v.number("rim"),
+                 steepness = v.number("steepness");
     if (!(rim_half > floor_half)) throw v.problem("width", "the canyon is narrower than its floor", "more than floor_width");
     double lowest = kInfinity;
     for (const Vec3d& p : line) lowest = std::min(lowest, p.z);
@@ -166,7 +175,11 @@ std::vector<Schema> height_shape_schemas()
         length("height", 0.0, "Mean height."),
         needed("relief", "Height of the hills above and below the mean."),
         needed("wavelength", "Size of the largest hills.", true),
-        {.name = "kind", .type = ParameterType::choice, .doc = "Even hills, sharp crests or round domes.", .fallback = std::string("fbm"), .choices = {"fbm", "ridged", "billow"}},
+        {.name = "kind",
+         .type = ParameterType::choice,
+         .doc = "Even hills, sharp crests or round domes.",
+         .fallback = std::string("fbm"),
+         .choices = {"fbm", "ridged", "billow"}},
         number("octaves", 6.0, 1.0, 16.0, "How many sizes of hills; each half the last."),
         number("gain", 0.5, 0.1, 0.9, "Height of each octave relative to the last."),
     };
@@ -181,7 +194,13 @@ std::vector<Schema> height_shape_schemas()
     };
     Schema canyon{"canyon", "A valley along a line, for measure = \"cut\".", {}};
     canyon.parameters = {
-        {.name = "points", .type = ParameterType::points, .doc = "The line of the valley; its z is the floor.", .required = true, .unit = "m", .min_count = 2, .max_count = 10000},
+        {.name = "points",
+         .type = ParameterType::points,
+         .doc = "The line of the valley; its z is the floor.",
+         .required = true,
+         .unit = "m",
+         .min_count = 2,
+         .max_count = 10000},
         needed("rim", "Height where the flanks end."),
         needed("floor_width", "Width of the flat floor."),
         needed("width", "Width at the rim.", true),
@@ -196,7 +215,12 @@ std::vector<Schema> height_shape_schemas()
 std::vector<Parameter> bed_parameters()
 {
     return {
-        {.name = "beds", .type = ParameterType::length, .doc = "Mean thickness of hard and soft beds, which make ledges; absent: none.", .unit = "m", .minimum = 0, .above_minimum = true},
+        {.name = "beds",
+         .type = ParameterType::length,
+         .doc = "Mean thickness of hard and soft beds, which make ledges; absent: none.",
+         .unit = "m",
+         .minimum = 0,
+         .above_minimum = true},
         number("bed_contrast", 0.85, 0.0, 0.98, "0: beds do not show; near 1: walls and treads."),
         {.name = "bed_seed", .type = ParameterType::integer, .doc = "Layers with the same bed_seed and range share their beds."},
     };

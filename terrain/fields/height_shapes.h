@@ -7,7 +7,8 @@
 #include <functional>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Metres at a point of the plane (metres). Pure. May be +infinity where a shape says nothing (a canyon, beyond its rims).
 using HeightFunction = std::function<double(const Vec2d&)>;

@@ -1,15 +1,16 @@
 // Cliffs and ledges from bedding: a slope that erosion would make even is steep where a bed is hard and flat where it is soft.
 // No paper; the profile of layered desert cliffs. Bed k has thickness t_k = thickness (0.4 + 1.2 u) and a resistance that alternates, hard and soft,
-// with some irregularity. An even slope spends a share (1 - contrast) t_k of its height on a hard bed and (1 + contrast) t_k on a soft one, so the map
-// even -> bedded is piecewise linear with slope t_k / share_k; both ends are then scaled to the same range.
-// Missing: folded or dipping beds; recesses of soft beds under hard ones (a matter of edits, not of heights).
+// with some irregularity. An even slope spends a share (1 - contrast) t_k of its height on a hard bed and (1 + contrast) t_k on a soft one, so the
+// map even -> bedded is piecewise linear with slope t_k / share_k; both ends are then scaled to the same range. Missing: folded or dipping beds;
+// recesses of soft beds under hard ones (a matter of edits, not of heights).
 #include "terrain/fields/strata.h"
 
 #include "terrain/math/hash.h"
 
 #include <algorithm>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 Strata::Strata(double low, double high, double thickness, double contrast, std::uint64_t seed)
 {

@@ -1,7 +1,8 @@
 // Elevation models in degrees become square cells in metres: the step along a parallel shrinks with the cosine of the latitude.
 // Snyder1987, equations 4-18 to 4-20: with e^2 = f(2 - f), a degree of the meridian is pi/180 a(1 - e^2)/(1 - e^2 sin^2 phi)^1.5,
 // one of the parallel pi/180 a cos(phi)/(1 - e^2 sin^2 phi)^0.5; a = 6378137 m, f = 1/298.257223563.
-// Deviation: one latitude for the whole model (its middle): over 0.3 degrees the width errs by 0.2 % at the edges. Missing: projections, GeoTIFF's keys.
+// Deviation: one latitude for the whole model (its middle): over 0.3 degrees the width errs by 0.2 % at the edges. Missing: projections, GeoTIFF's
+// keys.
 #include "terrain/io/dem.h"
 
 #include "terrain/error.h"
@@ -14,9 +15,11 @@
 #include <numbers>
 #include <optional>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 [[noreturn]] void refuse(const std::string& path, std::string what, std::string expected = {}, std::string got = {})
 {
@@ -25,7 +28,7 @@ namespace {
 
 struct RawHeights {
     HeightImage image;
-    double degrees_x = 0.0, degrees_y = 0.0, latitude = 91.0;   ///< what the file itself says
+    double degrees_x = 0.0, degrees_y = 0.0, latitude = 91.0;  ///< what the file itself says
 };
 
 std::optional<double> scalar(const NpzFile& file, const std::string& name)
@@ -45,18 +48,22 @@ RawHeights read_archive(const std::string& path, const std::string& wanted)
         for (const std::string& candidate : file.names()) {
             if (file.read(candidate).shape.size() == 2) flat.push_back(candidate);
         }
-        if (flat.size() != 1) refuse(path, "which array holds the heights?", "the name of an array with two dimensions", fmt::format("{} of them: {}", flat.size(), fmt::join(flat, ", ")));
+        if (flat.size() != 1)
+            refuse(path, "which array holds the heights?", "the name of an array with two dimensions",
+                   fmt::format("{} of them: {}", flat.size(), fmt::join(flat, ", ")));
         name = flat[0];
     }
     const NumpyArray array = file.read(name);
-    if (array.shape.size() != 2 || array.values.empty()) refuse(path, "\"" + name + "\" is no height map", "an array with two dimensions", fmt::format("{} dimensions", array.shape.size()));
+    if (array.shape.size() != 2 || array.values.empty())
+        refuse(path, "\"" + name + "\" is no height map", "an array with two dimensions", fmt::format("{} dimensions", array.shape.size()));
     RawHeights source;
     source.image.height = static_cast<int>(array.shape[0]);
     source.image.width = static_cast<int>(array.shape[1]);
     source.image.values.reserve(array.values.size());
     for (std::size_t i = 0; i < array.values.size(); ++i) {
         if (!std::isfinite(static_cast<float>(array.values[i]))) {
-            refuse(path, "a sample of the height map is no number", "finite heights", fmt::format("{} at column {}, row {}", array.values[i], i % array.shape[1], i / array.shape[1]));
+            refuse(path, "a sample of the height map is no number", "finite heights",
+                   fmt::format("{} at column {}, row {}", array.values[i], i % array.shape[1], i / array.shape[1]));
         }
         source.image.values.push_back(static_cast<float>(array.values[i]));
     }
@@ -72,7 +79,8 @@ HeightImage cropped(const std::string& path, const HeightImage& image, const Dem
     std::array<int, 4> s = options.subset;
     if (s == std::array<int, 4>{0, 0, 0, 0}) s = {0, image.width, 0, image.height};
     if (!(0 <= s[0] && s[0] < s[1] && s[1] <= image.width && 0 <= s[2] && s[2] < s[3] && s[3] <= image.height)) {
-        refuse(path, "subset of the height map", fmt::format("x0,x1,y0,y1 inside {} x {}", image.width, image.height), fmt::format("{},{},{},{}", s[0], s[1], s[2], s[3]));
+        refuse(path, "subset of the height map", fmt::format("x0,x1,y0,y1 inside {} x {}", image.width, image.height),
+               fmt::format("{},{},{},{}", s[0], s[1], s[2], s[3]));
     }
     HeightImage result{s[1] - s[0], s[3] - s[2], image.cell, {}};
     result.values.reserve(static_cast<std::size_t>(result.width) * static_cast<std::size_t>(result.height));
@@ -101,7 +109,8 @@ HeightImage import_dem(const std::string& path, const DemOptions& options)
     // Metres a pixel: as told, else from degrees, else what the image says of itself.
     double x = options.cell_x, y = options.cell_y > 0.0 ? options.cell_y : options.cell_x;
     const double degrees_x = options.degrees_x > 0.0 ? options.degrees_x : source.degrees_x;
-    const double degrees_y = options.degrees_y > 0.0 ? options.degrees_y : (source.degrees_y > 0.0 && options.degrees_x == 0.0 ? source.degrees_y : degrees_x);
+    const double degrees_y =
+        options.degrees_y > 0.0 ? options.degrees_y : (source.degrees_y > 0.0 && options.degrees_x == 0.0 ? source.degrees_y : degrees_x);
     const double latitude = options.latitude <= 90.0 ? options.latitude : source.latitude;
     if (!(x > 0.0) && degrees_x > 0.0) {
         if (!(std::abs(latitude) < 89.9)) refuse(path, "heights in degrees need a latitude", "a latitude between -89.9 and 89.9 degrees");

@@ -6,7 +6,8 @@
 #include <array>
 #include <string>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 struct DemOptions {
     std::string array;                        ///< of an archive; empty: the only array with two dimensions

@@ -14,11 +14,13 @@
 #include <cmath>
 #include <filesystem>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
-constexpr double kMaxSamples = 134217728.0;   // 2^27: half a gigabyte of floats
+constexpr double kMaxSamples = 134217728.0;  // 2^27: half a gigabyte of floats
 constexpr double kMaxExpansion = 2000.0;
 
 [[noreturn]] void refuse(const std::string& path, std::string what, std::string expected = {}, std::string got = {})
@@ -61,18 +63,22 @@ HeightImage read_height_image(const std::string& path)
 {
     std::error_code failed;
     const std::uintmax_t bytes = std::filesystem::file_size(path, failed);
-    if (failed || !std::filesystem::is_regular_file(path, failed)) refuse(path, "cannot read the height image", "a regular file", failed ? failed.message() : "none");
+    if (failed || !std::filesystem::is_regular_file(path, failed))
+        refuse(path, "cannot read the height image", "a regular file", failed ? failed.message() : "none");
     const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path);
     if (!input) refuse(path, "cannot read the height image: " + OIIO::geterror());
     const OIIO::ImageSpec& spec = input->spec();
     const double samples = static_cast<double>(spec.width) * spec.height * std::max(1, spec.depth);
     const double promised = samples * std::max(1, spec.nchannels) * static_cast<double>(std::max<std::size_t>(1, spec.format.size()));
     if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.nchannels > 64) {
-        refuse(path, "size of the height image", "a flat image of 1 to 64 channels", fmt::format("{} x {} x {}, {} channels", spec.width, spec.height, spec.depth, spec.nchannels));
+        refuse(path, "size of the height image", "a flat image of 1 to 64 channels",
+               fmt::format("{} x {} x {}, {} channels", spec.width, spec.height, spec.depth, spec.nchannels));
     }
-    if (samples > kMaxSamples) refuse(path, "the height image is too large", "at most 134217728 pixels", fmt::format("{} x {}", spec.width, spec.height));
+    if (samples > kMaxSamples)
+        refuse(path, "the height image is too large", "at most 134217728 pixels", fmt::format("{} x {}", spec.width, spec.height));
     if (promised > kMaxExpansion * static_cast<double>(bytes) + 65536.0) {
-        refuse(path, "the height image promises more than its file can hold", fmt::format("at most 2000 bytes for each of its {}", bytes), fmt::format("{} x {}", spec.width, spec.height));
+        refuse(path, "the height image promises more than its file can hold", fmt::format("at most 2000 bytes for each of its {}", bytes),
+               fmt::format("{} x {}", spec.width, spec.height));
     }
     HeightImage image;
     image.width = spec.width;
@@ -80,10 +86,12 @@ HeightImage read_height_image(const std::string& path)
     const double cell = spec.get_float_attribute("hoodoo:cell", 0.0f);
     image.cell = std::isfinite(cell) && cell > 0.0 ? cell : 0.0;
     image.values.resize(static_cast<std::size_t>(samples));
-    if (!input->read_image(0, 0, 0, 1, OIIO::TypeDesc::FLOAT, image.values.data())) refuse(path, "cannot read the height image: " + input->geterror());
+    if (!input->read_image(0, 0, 0, 1, OIIO::TypeDesc::FLOAT, image.values.data()))
+        refuse(path, "cannot read the height image: " + input->geterror());
     for (std::size_t i = 0; i < image.values.size(); ++i) {
         if (!std::isfinite(image.values[i])) {
-            refuse(path, "a sample of the height image is no number", "finite heights", fmt::format("{} at column {}, row {}", image.values[i], i % image.width, i / image.width));
+            refuse(path, "a sample of the height image is no number", "finite heights",
+                   fmt::format("{} at column {}, row {}", image.values[i], i % image.width, i / image.width));
         }
     }
     return image;
@@ -106,7 +114,8 @@ HeightImage resample(const HeightImage& image, double step_x, double step_y)
 {
     const double width = std::max(1.0, std::floor(image.width / step_x + 1e-9)), height = std::max(1.0, std::floor(image.height / step_y + 1e-9));
     if (!(step_x > 0.0 && step_y > 0.0 && width * height <= kMaxSamples && width * image.height <= kMaxSamples)) {
-        throw Error(ErrorKind::file, Problem{{}, "resampled height image", "a step above 0 and at most 134217728 pixels", fmt::format("{} x {}", width, height), {}});
+        throw Error(ErrorKind::file,
+                    Problem{{}, "resampled height image", "a step above 0 and at most 134217728 pixels", fmt::format("{} x {}", width, height), {}});
     }
     HeightImage across{static_cast<int>(width), image.height, 0.0, {}}, result{static_cast<int>(width), static_cast<int>(height), 0.0, {}};
     across.values.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(image.height));
@@ -116,7 +125,8 @@ HeightImage resample(const HeightImage& image, double step_x, double step_y)
         for (int column = 0; column < across.width; ++column) {
             const Taps& t = columns[static_cast<std::size_t>(column)];
             double sum = 0.0;
-            for (std::size_t k = 0; k < t.weights.size(); ++k) sum += t.weights[k] * image.at(std::clamp(t.first + static_cast<int>(k), 0, image.width - 1), row);
+            for (std::size_t k = 0; k < t.weights.size(); ++k)
+                sum += t.weights[k] * image.at(std::clamp(t.first + static_cast<int>(k), 0, image.width - 1), row);
             across.at(column, row) = static_cast<float>(sum);
         }
     }
@@ -124,7 +134,8 @@ HeightImage resample(const HeightImage& image, double step_x, double step_y)
         const Taps& t = rows[static_cast<std::size_t>(row)];
         for (int column = 0; column < result.width; ++column) {
             double sum = 0.0;
-            for (std::size_t k = 0; k < t.weights.size(); ++k) sum += t.weights[k] * across.at(column, std::clamp(t.first + static_cast<int>(k), 0, image.height - 1));
+            for (std::size_t k = 0; k < t.weights.size(); ++k)
+                sum += t.weights[k] * across.at(column, std::clamp(t.first + static_cast<int>(k), 0, image.height - 1));
             result.at(column, row) = static_cast<float>(sum);
         }
     }

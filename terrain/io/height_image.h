@@ -4,14 +4,18 @@
 #include <string>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 struct HeightImage {
     int width = 0, height = 0;
-    double cell = 0.0;            ///< metres between neighbouring pixels; 0 where the file does not say
-    std::vector<float> values;    ///< metres, row by row, row 0 = north (largest y)
+    double cell = 0.0;          ///< metres between neighbouring pixels; 0 where the file does not say
+    std::vector<float> values;  ///< metres, row by row, row 0 = north (largest y)
 
-    float& at(int column, int row) { return values[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)]; }
+    float& at(int column, int row)
+    {
+        return values[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)];
+    }
     float at(int column, int row) const { return const_cast<HeightImage*>(this)->at(column, row); }
 };
 

@@ -13,9 +13,11 @@
 #include <cstring>
 #include <fstream>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 constexpr std::uint64_t kMaxFile = 1ull << 30, kMaxNumbers = 1ull << 27;
 
@@ -38,7 +40,8 @@ std::vector<unsigned char> unpack(const std::string& path, const unsigned char* 
         return {packed, packed + size};
     }
     if (method != 8) refuse(path, "an entry of the archive is packed in an unknown way", fmt::format("method {}", method));
-    if (size > 1032 * packed_size + 64) refuse(path, "damaged archive: an entry promises more than it can hold", fmt::format("{} bytes from {}", size, packed_size));
+    if (size > 1032 * packed_size + 64)
+        refuse(path, "damaged archive: an entry promises more than it can hold", fmt::format("{} bytes from {}", size, packed_size));
     std::vector<unsigned char> out(size);
     z_stream stream{};
     if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) refuse(path, "cannot start unpacking");
@@ -113,7 +116,8 @@ NumpyArray parse_npy(const std::string& path, const std::string& name, const std
             continue;
         }
         std::uint64_t n = 0;
-        for (; i < shape.size() && shape[i] >= '0' && shape[i] <= '9'; ++i) n = std::min<std::uint64_t>(n * 10 + static_cast<unsigned>(shape[i] - '0'), kMaxNumbers + 1);
+        for (; i < shape.size() && shape[i] >= '0' && shape[i] <= '9'; ++i)
+            n = std::min<std::uint64_t>(n * 10 + static_cast<unsigned>(shape[i] - '0'), kMaxNumbers + 1);
         array.shape.push_back(n);
         count *= n;
         if (count > kMaxNumbers || n > kMaxNumbers || array.shape.size() > 8) refuse(path, "\"" + name + "\" is too large", shape);
@@ -169,13 +173,20 @@ NpzFile::NpzFile(const std::string& path) : path_(path)
     }
 }
 
-bool NpzFile::has(const std::string& name) const { return std::find(names_.begin(), names_.end(), name) != names_.end(); }
+bool NpzFile::has(const std::string& name) const
+{
+    return std::find(names_.begin(), names_.end(), name) != names_.end();
+}
 
 NumpyArray NpzFile::read(const std::string& name) const
 {
     const auto found = std::find(names_.begin(), names_.end(), name);
     if (found == names_.end()) {
-        throw Error(ErrorKind::file, Problem{{path_, 0, 0, {}}, "the archive has no array of this name", fmt::format("one of: {}", fmt::join(names_, ", ")), '"' + name + '"', nearest_name(name, names_)});
+        throw Error(ErrorKind::file, Problem{{path_, 0, 0, {}},
+                                             "the archive has no array of this name",
+                                             fmt::format("one of: {}", fmt::join(names_, ", ")),
+                                             '"' + name + '"',
+                                             nearest_name(name, names_)});
     }
     const Entry& entry = entries_[static_cast<std::size_t>(found - names_.begin())];
     return parse_npy(path_, name, unpack(path_, bytes_.data() + entry.offset, entry.packed, entry.size, entry.method));

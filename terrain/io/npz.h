@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Any of NumPy's integers and reals, as double; the last index runs fastest. A scalar has no shape and one value.
 struct NumpyArray {
@@ -14,7 +15,8 @@ struct NumpyArray {
 };
 
 /// The archive's table of contents; arrays are read on demand. Throws Error (file): no zip, damaged, an unknown type, over 2^27 numbers.
-class NpzFile {
+class NpzFile
+{
 public:
     explicit NpzFile(const std::string& path);
 

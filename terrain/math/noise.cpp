@@ -1,24 +1,31 @@
 // Gradient noise: at each lattice point a random plane through zero, blended by the quintic fade; and sums of octaves of it.
 // Perlin2002. n(p) = sum_c w_c(p) g_c.(p - c), w_c = product over the axes of fade or 1 - fade, fade(t) = 6t^5 - 15t^4 + 10t^3.
 // 1-D and 2-D use the hash and gradients that the golden values fix (2-D: unit vector at the angle 2 pi hash / 2^32).
-// Bounds. Value: |n| <= sum w |p - c| <= sqrt(sum w |p - c|^2) (Jensen), and each axis adds x^2 + fade(x)(1 - 2x) <= 1/4: sqrt(D)/2. (1-D: slopes up to 1.)
-// Slope: u.grad n = sum_c g_c.(w_c u + (p - c) grad w_c.u) <= sum_c |w_c u + (p - c) grad w_c.u|, a closed form in (p, u) whose maximum
-// was found numerically and rounded up; it is attained by some choice of gradients, so no smaller bound holds for all seeds.
-// Deviation: 3-D gradients are the normalised points of a random cube, which favours its corners; no trigonometry, the same bits everywhere.
-// Missing: second derivatives.
+// Bounds. Value: |n| <= sum w |p - c| <= sqrt(sum w |p - c|^2) (Jensen), and each axis adds x^2 + fade(x)(1 - 2x) <= 1/4: sqrt(D)/2. (1-D: slopes up
+// to 1.) Slope: u.grad n = sum_c g_c.(w_c u + (p - c) grad w_c.u) <= sum_c |w_c u + (p - c) grad w_c.u|, a closed form in (p, u) whose maximum was
+// found numerically and rounded up; it is attained by some choice of gradients, so no smaller bound holds for all seeds. Deviation: 3-D gradients are
+// the normalised points of a random cube, which favours its corners; no trigonometry, the same bits everywhere. Missing: second derivatives.
 #include "terrain/math/noise.h"
 
 #include <algorithm>
 #include <numbers>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 constexpr int kMaxOctaves = 24;
 
-double fade(double t) { return t * t * t * (t * (6.0 * t - 15.0) + 10.0); }
-double fade_slope(double t) { return 30.0 * t * t * (t - 1.0) * (t - 1.0); }
+double fade(double t)
+{
+    return t * t * t * (t * (6.0 * t - 15.0) + 10.0);
+}
+double fade_slope(double t)
+{
+    return 30.0 * t * t * (t - 1.0) * (t - 1.0);
+}
 
 /// A coordinate split into its lattice cell and the rest. From 2^51 on every double is a lattice point or close to one: the noise is 0 there.
 struct Cell {
@@ -34,7 +41,10 @@ Cell cell_of(double x)
     return {static_cast<std::uint32_t>(static_cast<std::int64_t>(low)), rest, fade(rest), fade_slope(rest)};
 }
 
-double slope_at(std::uint32_t ix, std::uint32_t seed) { return lattice_hash(ix, 0, seed) * 0x1p-31 - 1.0; }
+double slope_at(std::uint32_t ix, std::uint32_t seed)
+{
+    return lattice_hash(ix, 0, seed) * 0x1p-31 - 1.0;
+}
 
 Vec2d gradient_at(std::uint32_t ix, std::uint32_t iy, std::uint32_t seed)
 {
@@ -42,7 +52,10 @@ Vec2d gradient_at(std::uint32_t ix, std::uint32_t iy, std::uint32_t seed)
     return {std::cos(angle), std::sin(angle)};
 }
 
-double mix(double a, double b, double t) { return a + t * (b - a); }
+double mix(double a, double b, double t)
+{
+    return a + t * (b - a);
+}
 
 /// What one octave adds, faded if it is the last and a fraction.
 template <class Octave>
@@ -59,12 +72,30 @@ void for_octaves(const Fractal& fractal, Octave&& octave)
 
 /// Octaves are turned against each other by exact rotations (the 3-4-5 triangle; a turn of 60 degrees about the space diagonal's neighbour),
 /// and shifted, so that their lattices nowhere coincide.
-Vec2d turned(const Vec2d& p) { return {0.8 * p.x - 0.6 * p.y, 0.6 * p.x + 0.8 * p.y}; }
-Vec2d turned_back(const Vec2d& p) { return {0.8 * p.x + 0.6 * p.y, -0.6 * p.x + 0.8 * p.y}; }
-Vec3d turned(const Vec3d& p) { return Vec3d(2 * p.x - p.y + 2 * p.z, 2 * p.x + 2 * p.y - p.z, -p.x + 2 * p.y + 2 * p.z) * (1.0 / 3.0); }
-Vec3d turned_back(const Vec3d& p) { return Vec3d(2 * p.x + 2 * p.y - p.z, -p.x + 2 * p.y + 2 * p.z, 2 * p.x - p.y + 2 * p.z) * (1.0 / 3.0); }
-Vec2d shift(const Vec2d&, int k) { return {17.3 * k, 31.7 * k}; }
-Vec3d shift(const Vec3d&, int k) { return {17.3 * k, 31.7 * k, 23.9 * k}; }
+Vec2d turned(const Vec2d& p)
+{
+    return {0.8 * p.x - 0.6 * p.y, 0.6 * p.x + 0.8 * p.y};
+}
+Vec2d turned_back(const Vec2d& p)
+{
+    return {0.8 * p.x + 0.6 * p.y, -0.6 * p.x + 0.8 * p.y};
+}
+Vec3d turned(const Vec3d& p)
+{
+    return Vec3d(2 * p.x - p.y + 2 * p.z, 2 * p.x + 2 * p.y - p.z, -p.x + 2 * p.y + 2 * p.z) * (1.0 / 3.0);
+}
+Vec3d turned_back(const Vec3d& p)
+{
+    return Vec3d(2 * p.x + 2 * p.y - p.z, -p.x + 2 * p.y + 2 * p.z, 2 * p.x - p.y + 2 * p.z) * (1.0 / 3.0);
+}
+Vec2d shift(const Vec2d&, int k)
+{
+    return {17.3 * k, 31.7 * k};
+}
+Vec3d shift(const Vec3d&, int k)
+{
+    return {17.3 * k, 31.7 * k, 23.9 * k};
+}
 
 template <class Result, class Point, class Shape>
 Result sum(const Point& p, std::uint32_t seed, const Fractal& fractal, Shape&& shape)
@@ -126,7 +157,8 @@ Noise3 gradient_noise(const Vec3d& p, std::uint32_t seed)
     double gx[8], gy[8], gz[8], v[8], w[8], a[8], b[8], d[8];
     for (int c = 0; c < 8; ++c) {
         // Odd numbers: never the zero vector.
-        const double sx = 2.0 * static_cast<int>(h[c] & 1023u) - 1023.0, sy = 2.0 * static_cast<int>((h[c] >> 10) & 1023u) - 1023.0, sz = 2.0 * static_cast<int>((h[c] >> 20) & 1023u) - 1023.0;
+        const double sx = 2.0 * static_cast<int>(h[c] & 1023u) - 1023.0, sy = 2.0 * static_cast<int>((h[c] >> 10) & 1023u) - 1023.0,
+                     sz = 2.0 * static_cast<int>((h[c] >> 20) & 1023u) - 1023.0;
         const double scale = 1.0 / std::sqrt(sx * sx + sy * sy + sz * sz);
         gx[c] = sx * scale;
         gy[c] = sy * scale;

@@ -5,7 +5,8 @@
 
 #include <cstdint>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// A lattice point's random bits (maths of the golden values: three odd multipliers, then the lowbias32 mixing of Ellis2018).
 constexpr std::uint32_t lattice_hash(std::uint32_t ix, std::uint32_t iy, std::uint32_t seed)
@@ -29,7 +30,8 @@ struct Noise3 {
     Vec3d gradient{0.0};
 };
 
-/// Gradient noise with unit gradients (1-D: slopes in [-1, 1]) and quintic fade (Perlin2002); one cell = one unit of length. Non-finite coordinates give 0.
+/// Gradient noise with unit gradients (1-D: slopes in [-1, 1]) and quintic fade (Perlin2002); one cell = one unit of length. Non-finite coordinates
+/// give 0.
 Noise1 gradient_noise(double x, std::uint32_t seed);
 Noise2 gradient_noise(const Vec2d& p, std::uint32_t seed);
 Noise3 gradient_noise(const Vec3d& p, std::uint32_t seed);
@@ -42,8 +44,8 @@ constexpr NoiseBound kNoise1Bound{0.5, 1.3472};
 constexpr NoiseBound kNoise2Bound{0.7072, 2.0692};
 constexpr NoiseBound kNoise3Bound{0.8661, 2.7923};
 
-/// How octaves are added: octave k has frequency lacunarity^k, amplitude gain^k, its own seed, shift and (2-D, 3-D) rotation. `octaves` may be a fraction:
-/// the last one is then faded in, which is how a sum is cut off at a footprint without a jump. At most 24 octaves are added.
+/// How octaves are added: octave k has frequency lacunarity^k, amplitude gain^k, its own seed, shift and (2-D, 3-D) rotation. `octaves` may be a
+/// fraction: the last one is then faded in, which is how a sum is cut off at a footprint without a jump. At most 24 octaves are added.
 struct Fractal {
     double octaves = 6.0;
     double lacunarity = 2.0;

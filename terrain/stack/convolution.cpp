@@ -15,9 +15,11 @@
 
 #include <utility>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 /// Rounding of value() and of the bounds: at most 50 columns or layers are summed with relative error 2^-53 each.
 constexpr double kRounding = 1e-12;
@@ -35,7 +37,10 @@ struct Hull {
     void add(const Interval& o) { i = {std::min(i.lo, o.lo), std::max(i.hi, o.hi)}; }
 };
 
-Interval difference(const Interval& a, const Interval& b) { return {a.lo - b.hi, a.hi - b.lo}; }
+Interval difference(const Interval& a, const Interval& b)
+{
+    return {a.lo - b.hi, a.hi - b.lo};
+}
 
 /// Whether column (i, j) is matter, as a range over [low, high] in units.
 Interval presence(const Ground& ground, int i, int j, double low, double high)
@@ -57,12 +62,14 @@ ConvolutionField::ConvolutionField(Ground ground, double sigma) : ground_(std::m
     }
 }
 
-namespace {
+namespace
+{
 
 /// What the kernel sees around a point: the windows of the three axes, x and y in cells, z in units.
 struct View {
     View(const Ground& ground, double sigma, const Vec3d& p)
-        : half(sigma / ground.stack().cell()), tall(sigma / ground.stack().unit()),
+        : half(sigma / ground.stack().cell()),
+          tall(sigma / ground.stack().unit()),
           x(window((p.x - ground.stack().origin().x) / ground.stack().cell(), half, ground.stack().size().x)),
           y(window((p.y - ground.stack().origin().y) / ground.stack().cell(), half, ground.stack().size().y)),
           z((p.z - ground.stack().origin().z) / ground.stack().unit())
@@ -114,7 +121,8 @@ Vec3d ConvolutionField::gradient(const Vec3d& p) const
     return Vec3d(g.x / stack.cell(), g.y / stack.cell(), g.z / stack.unit()) * scale;
 }
 
-namespace {
+namespace
+{
 
 /// Bounds over a box of few columns. Every number is an extreme over the columns that the kernel touches from somewhere in the box.
 Local local_bounds(const Ground& ground, double sigma, const Box3d& box)
@@ -134,10 +142,12 @@ Local local_bounds(const Ground& ground, double sigma, const Box3d& box)
     const Vec2i left = columns(x0 - half, x1 - half), right = columns(x0 + half, x1 + half);
     const Vec2i front = columns(y0 - half, y1 - half), back = columns(y0 + half, y1 + half);
 
-    // D of one column over the heights of the box: C is monotone, and D itself changes by at most one unit a unit.
+    // D of one column over the heights of the box. `all` spans every window [z - sigma, z + sigma], `common` is in each of them: a window holds at
+    // least the matter of `common` and lacks at most the air of `all`, and the other way round.
+    const double span = z1 - z0 + 2.0 * tall, common = std::max(0.0, 2.0 * tall - (z1 - z0));
     const auto matter = [&](int i, int j) {
-        const double least = z0 + tall > z1 - tall ? ground.length(i, j, z1 - tall, z0 + tall) : 0.0;
-        return Interval{least, std::min(2.0 * tall, ground.length(i, j, z0 - tall, z1 + tall))};
+        const double all = ground.length(i, j, z0 - tall, z1 + tall), shared = common > 0.0 ? ground.length(i, j, z1 - tall, z0 + tall) : 0.0;
+        return Interval{std::max(shared, 2.0 * tall - (span - all)), std::min(all, 2.0 * tall - (common - shared))};
     };
     const auto in = [](const Vec2i& range, int i) { return range.x <= i && i <= range.y; };
     Hull dx, dy, dz, value;
@@ -167,7 +177,10 @@ Local local_bounds(const Ground& ground, double sigma, const Box3d& box)
     return local;
 }
 
-double magnitude(const Interval& i) { return std::max(std::abs(i.lo), std::abs(i.hi)); }
+double magnitude(const Interval& i)
+{
+    return std::max(std::abs(i.lo), std::abs(i.hi));
+}
 
 }  // namespace
 
@@ -204,7 +217,8 @@ Box3d ConvolutionField::bounds() const
     if (ground_.border() == Border::extend) return Box3d(Vec3d(-kInfinity), Vec3d(kInfinity, kInfinity, top));
     // Beyond a face of the block more than half of the cube is air.
     const Vec2i n = stack.size();
-    return Box3d(stack.origin() + Vec3d(0, 0, ground_.floor() * stack.unit()), Vec3d(stack.origin().x + n.x * stack.cell(), stack.origin().y + n.y * stack.cell(), top));
+    return Box3d(stack.origin() + Vec3d(0, 0, ground_.floor() * stack.unit()),
+                 Vec3d(stack.origin().x + n.x * stack.cell(), stack.origin().y + n.y * stack.cell(), top));
 }
 
 Vec3d ConvolutionField::smoothed_gradient(const Vec3d& p, double width) const

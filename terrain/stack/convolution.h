@@ -4,11 +4,13 @@
 #include "terrain/field.h"
 #include "terrain/stack/material_stack.h"
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// f(p) = 1 - V(p) / (4 sigma^3), V the volume of ground in the cube p +- sigma: in [-1, 1], negative inside, trilinear between breakpoints
 /// (the paper's eq. with the opposite sign). Exact in double up to rounding, from the stack's integer heights. Any sigma > 0, metres.
-class ConvolutionField final : public Field {
+class ConvolutionField final : public Field
+{
 public:
     ConvolutionField(Ground ground, double sigma);
 

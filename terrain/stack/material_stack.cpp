@@ -8,13 +8,18 @@
 
 #include <fmt/format.h>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 const std::array<std::string, kMaterialCount> kNames = {"air", "water", "sand", "bedrock", "rock", "soil"};
 
-std::uint16_t pack(Material material, std::int32_t top) { return static_cast<std::uint16_t>((top << 3) | static_cast<int>(material)); }
+std::uint16_t pack(Material material, std::int32_t top)
+{
+    return static_cast<std::uint16_t>((top << 3) | static_cast<int>(material));
+}
 
 [[noreturn]] void refuse(int i, int j, std::string what, std::string expected, std::string got)
 {
@@ -28,8 +33,10 @@ std::vector<std::uint16_t> pack_column(int i, int j, std::span<const Layer> laye
     words.reserve(layers.size());
     std::int32_t below = 0;
     for (const Layer& layer : layers) {
-        if (static_cast<std::size_t>(layer.material) >= kMaterialCount) refuse(i, j, "unknown material", "a code below 6", fmt::to_string(int(layer.material)));
-        if (layer.top < below) refuse(i, j, "a layer ends below the one under it", fmt::format("a top of at least {} units", below), fmt::to_string(layer.top));
+        if (static_cast<std::size_t>(layer.material) >= kMaterialCount)
+            refuse(i, j, "unknown material", "a code below 6", fmt::to_string(int(layer.material)));
+        if (layer.top < below)
+            refuse(i, j, "a layer ends below the one under it", fmt::format("a top of at least {} units", below), fmt::to_string(layer.top));
         if (layer.top > MaterialStack::max_top) {
             refuse(i, j, "a layer is too high", fmt::format("a top of at most {} units", MaterialStack::max_top), fmt::to_string(layer.top));
         }
@@ -44,7 +51,10 @@ std::vector<std::uint16_t> pack_column(int i, int j, std::span<const Layer> laye
 
 }  // namespace
 
-const std::string& material_name(Material material) { return kNames.at(static_cast<std::size_t>(material)); }
+const std::string& material_name(Material material)
+{
+    return kNames.at(static_cast<std::size_t>(material));
+}
 
 Material material_from_name(const std::string& name)
 {
@@ -52,7 +62,8 @@ Material material_from_name(const std::string& name)
         if (kNames[m] == name) return static_cast<Material>(m);
     }
     const std::vector<std::string> names(kNames.begin(), kNames.end());
-    throw Error(ErrorKind::scene, Problem{{}, "unknown material", "air, water, sand, bedrock, rock or soil", '"' + name + '"', nearest_name(name, names)});
+    throw Error(ErrorKind::scene,
+                Problem{{}, "unknown material", "air, water, sand, bedrock, rock or soil", '"' + name + '"', nearest_name(name, names)});
 }
 
 MaterialStack::MaterialStack(Vec2i size, double cell, double unit, Vec3d origin) : size_(size), cell_(cell), unit_(unit), origin_(origin)
@@ -97,8 +108,11 @@ void MaterialStack::set_columns(Vec2i from, Vec2i to, std::span<const std::vecto
     const int width = to.x - from.x;
     if (from.x < 0 || from.y < 0 || to.x > size_.x || to.y > size_.y || width < 0 || to.y < from.y ||
         columns.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(to.y - from.y)) {
-        throw Error(ErrorKind::scene, Problem{{}, "columns to set", fmt::format("a rectangle inside {} x {} and one column for each of its cells", size_.x, size_.y),
-                                              fmt::format("[{}, {}) x [{}, {}) and {} columns", from.x, to.x, from.y, to.y, columns.size()), {}});
+        throw Error(ErrorKind::scene, Problem{{},
+                                              "columns to set",
+                                              fmt::format("a rectangle inside {} x {} and one column for each of its cells", size_.x, size_.y),
+                                              fmt::format("[{}, {}) x [{}, {}) and {} columns", from.x, to.x, from.y, to.y, columns.size()),
+                                              {}});
     }
     if (columns.empty()) return;
     for (int tj = from.y / tile_size; tj <= (to.y - 1) / tile_size; ++tj) {
@@ -110,14 +124,16 @@ void MaterialStack::set_columns(Vec2i from, Vec2i to, std::span<const std::vecto
                 const int i = ti * tile_size + c % tile_size;
                 const int j = tj * tile_size + c / tile_size;
                 if (i >= from.x && i < to.x && j >= from.y && j < to.y) {
-                    const std::size_t at = static_cast<std::size_t>(j - from.y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i - from.x);
+                    const std::size_t at =
+                        static_cast<std::size_t>(j - from.y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i - from.x);
                     const std::vector<std::uint16_t> packed = pack_column(i, j, columns[at]);
                     fresh.words.insert(fresh.words.end(), packed.begin(), packed.end());
                 } else if (i < size_.x && j < size_.y) {
                     const std::span<const std::uint16_t> kept = words(i, j);
                     fresh.words.insert(fresh.words.end(), kept.begin(), kept.end());
                 }
-                if (fresh.words.size() > 0xffff) refuse(i, j, "too many layers in one tile of 32 x 32 columns", "at most 65535", fmt::to_string(fresh.words.size()));
+                if (fresh.words.size() > 0xffff)
+                    refuse(i, j, "too many layers in one tile of 32 x 32 columns", "at most 65535", fmt::to_string(fresh.words.size()));
                 fresh.offsets[static_cast<std::size_t>(c) + 1] = static_cast<std::uint16_t>(fresh.words.size());
             }
             fresh.words.shrink_to_fit();
@@ -145,7 +161,8 @@ Ground::Ground(std::shared_ptr<const MaterialStack> stack, MaterialSet materials
 {
     if (!stack_) throw Error(ErrorKind::internal, "a ground without a stack");
     if (contains(Material::air) || materials == 0 || (materials >> kMaterialCount) != 0) {
-        throw Error(ErrorKind::scene, Problem{{}, "materials of a ground", "some of water, sand, bedrock, rock, soil", fmt::format("the set {:#b}", materials), {}});
+        throw Error(ErrorKind::scene,
+                    Problem{{}, "materials of a ground", "some of water, sand, bedrock, rock, soil", fmt::format("the set {:#b}", materials), {}});
     }
     if (base_units < 0 || base_units > -bottomless) {
         throw Error(ErrorKind::scene, Problem{{}, "base of a cut block", "0 to 2^28 units", fmt::to_string(base_units), {}});

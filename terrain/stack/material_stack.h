@@ -11,7 +11,8 @@
 #include <string>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Three bits; two codes are free.
 enum class Material : std::uint8_t { air, water, sand, bedrock, rock, soil };
@@ -42,7 +43,8 @@ struct Layer {
 /// below z = origin.z there is bedrock, above the last layer air, both implicit. Tops strictly increase, equal neighbours are merged, no
 /// explicit air on top. One 16-bit word a layer: 13 bits of top, 3 bits of material (maths of the encoding: 2 bytes a layer, 2 a column).
 /// Tiles of 32 x 32 columns own their words, so that an edit rebuilds only its tiles. Copying copies; reading is thread-safe.
-class MaterialStack {
+class MaterialStack
+{
 public:
     static constexpr std::int32_t max_top = 8191;
     static constexpr int tile_size = 32;
@@ -103,7 +105,8 @@ struct Run {
 
 /// The matter of a material set, as vertical runs, for ANY column of the plane: the border rule is applied here and nowhere else.
 /// With `extend` the implicit bedrock below reaches to bottomless; with `cut` there is nothing outside the grid and nothing below -base.
-class Ground {
+class Ground
+{
 public:
     static constexpr std::int32_t bottomless = -(1 << 28);
 
@@ -131,7 +134,8 @@ public:
         }
     }
 
-    /// Calls visit(Run) for each maximal run of column (i, j), bottom to top. Runs do not touch. The lowest begins at floor() if bedrock is in the set.
+    /// Calls visit(Run) for each maximal run of column (i, j), bottom to top. Runs do not touch. The lowest begins at floor() if bedrock is in the
+    /// set.
     template <class Visit>
     void for_each_run(int i, int j, Visit&& visit) const
     {

@@ -3,7 +3,8 @@
 // under rock, because stones on the ground must stay visible, and soil forms on what lies there.
 #include "terrain/stack/merge_and_sort.h"
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 std::vector<Layer> merge_and_sort(std::span<const Layer> layers)
 {
@@ -14,8 +15,10 @@ std::vector<Layer> merge_and_sort(std::span<const Layer> layers)
     const auto put = [&](Material material, std::int32_t thickness) {
         if (thickness == 0) return;
         top += thickness;
-        if (!settled.empty() && settled.back().material == material) settled.back().top = top;
-        else settled.push_back({material, top});
+        if (!settled.empty() && settled.back().material == material)
+            settled.back().top = top;
+        else
+            settled.push_back({material, top});
     };
     const auto settle = [&] {
         for (const Material m : order) put(m, loose[static_cast<std::size_t>(m)]);
@@ -31,7 +34,7 @@ std::vector<Layer> merge_and_sort(std::span<const Layer> layers)
         }
         below = layer.top;
     }
-    loose[static_cast<std::size_t>(Material::air)] = 0;   // open above: the air on top has no thickness
+    loose[static_cast<std::size_t>(Material::air)] = 0;  // open above: the air on top has no thickness
     settle();
     return settled;
 }

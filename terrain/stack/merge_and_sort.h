@@ -3,7 +3,8 @@
 
 #include "terrain/stack/material_stack.h"
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// The layers of one column after settling. Between two layers of bedrock (a pocket; the last one is open above) the thicknesses of each material are
 /// summed and laid down in the order sand, soil, rock, water, air. Thickness of every material is kept.

@@ -8,9 +8,11 @@
 
 #include <bit>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 /// A layer as far as it lies in the kernel's heights: it ends at `top`, or at the kernel's upper end.
 struct Part {
@@ -19,7 +21,8 @@ struct Part {
 };
 
 /// All columns of the kernel's window, clipped to its heights, one after another: each is read once and then compared with its neighbours.
-class Clipped {
+class Clipped
+{
 public:
     Clipped(double low, double high, std::size_t columns) : low_(low), high_(high)
     {
@@ -54,12 +57,13 @@ private:
     }
 
     double low_, high_;
-    bool full_ = false;   ///< the column under way has reached the upper end
+    bool full_ = false;  ///< the column under way has reached the upper end
     std::vector<Part> parts_;
     std::vector<std::size_t> begins_;
 };
 
-class Areas {
+class Areas
+{
 public:
     Areas(MaterialSet opaque, double low) : opaque_(opaque), low_(low) {}
 
@@ -124,7 +128,8 @@ std::array<double, kMaterialCount> visible_areas(const Ground& ground, MaterialS
 std::optional<Material> only_visible(const Ground& ground, MaterialSet opaque, double sigma, const Vec3d& p)
 {
     const MaterialStack& stack = ground.stack();
-    const double s = stack.cell(), half = sigma / s, low = (p.z - stack.origin().z - sigma) / stack.unit(), high = (p.z - stack.origin().z + sigma) / stack.unit();
+    const double s = stack.cell(), half = sigma / s, low = (p.z - stack.origin().z - sigma) / stack.unit(),
+                 high = (p.z - stack.origin().z + sigma) / stack.unit();
     const Window x = window((p.x - stack.origin().x) / s, half, stack.size().x), y = window((p.y - stack.origin().y) / s, half, stack.size().y);
     MaterialSet seen = 0;
     for (int j = y.first; j <= y.last; ++j) {

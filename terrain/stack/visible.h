@@ -6,7 +6,8 @@
 #include <array>
 #include <optional>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Area of each material's boundary towards transparent material (everything outside `opaque`) inside the cube p +- sigma, m2.
 /// Horizontal tops and undersides and vertical sides all count. Exact up to rounding.

@@ -1,11 +1,11 @@
 // A layer stack seen through its convolution field: smooth cliffs, arches and caves, met by rays directly, without a mesh.
 // Peytavie2009, sections 3 and 5: f = 1 - V/(4 sigma^3) of the ground (stack/convolution.h); materials blended by their visible shares.
-// Bodies: the ground (`materials` of the stack, one field) and, with rocks = "surface", the rock layers as a second body of their own, so that nothing
-// is invisible until rocks are instanced. Each has its own patches; tiles of the bodies follow one another.
-// interact() refines the patch's hit on the field itself in double precision: a bracket around t, then bisection with secant steps.
-// Geometric normal: the field's gradient (one-sided). Shading normal: central differences with half-width `normal_width` (continuous).
-// Deviations: the paper polygonises; its triplanar weights belong to the renderer. Surfaces exist over the grid's rectangle only: with `extend` the
-// edge columns go on for the field's sake (no wall at the edge), but rays beyond it meet nothing. Missing: water surfaces; rocks as instances.
+// Bodies: the ground (`materials` of the stack, one field) and, with rocks = "surface", the rock layers as a second body of their own, so that
+// nothing is invisible until rocks are instanced. Each has its own patches; tiles of the bodies follow one another. interact() refines the patch's
+// hit on the field itself in double precision: a bracket around t, then bisection with secant steps. Geometric normal: the field's gradient
+// (one-sided). Shading normal: central differences with half-width `normal_width` (continuous). Deviations: the paper polygonises; its triplanar
+// weights belong to the renderer. Surfaces exist over the grid's rectangle only: with `extend` the edge columns go on for the field's sake (no wall
+// at the edge), but rays beyond it meet nothing. Missing: water surfaces; rocks as instances.
 #include "terrain/error.h"
 #include "terrain/march/exact_cells.h"
 #include "terrain/march/sphere_bricks.h"
@@ -16,9 +16,11 @@
 
 #include <chrono>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 using IntersectorFactory = std::unique_ptr<PatchIntersector> (*)(const ConvolutionField&);
 
@@ -29,7 +31,8 @@ struct Body {
     std::uint32_t first_tile;
 };
 
-class ConvolutionSurface final : public Surface {
+class ConvolutionSurface final : public Surface
+{
 public:
     ConvolutionSurface(std::shared_ptr<const MaterialStack> stack, double normal_width) : stack_(std::move(stack)), normal_width_(normal_width) {}
 
@@ -190,7 +193,8 @@ IntersectorFactory choose_intersector(const Values& values, const Ground& ground
     if (wanted == "sphere") return make_sphere_bricks;
     const std::optional<std::string> why_not = why_not_exact(ConvolutionField(ground, sigma));
     if (!why_not) return make_exact_cells;
-    if (wanted == "exact") throw values.problem("intersector", "the exact intersector cannot be used: " + *why_not, "intersector = \"sphere\" or another sigma");
+    if (wanted == "exact")
+        throw values.problem("intersector", "the exact intersector cannot be used: " + *why_not, "intersector = \"sphere\" or another sigma");
     return make_sphere_bricks;
 }
 
@@ -212,7 +216,8 @@ Shape make_convolution(const Values& values, const BuildContext& context)
     if (context.progress) context.progress(0.0, "layers");
     const std::shared_ptr<const MaterialStack> stack = make_stack(values, context);
     const double sigma = values.has("sigma") ? values.number("sigma") : stack->cell() * values.number("sigma_cells");
-    if (!(sigma <= 64.0 * stack->cell())) throw values.problem(values.has("sigma") ? "sigma" : "sigma_cells", "the kernel is too wide", "at most 64 cells");
+    if (!(sigma <= 64.0 * stack->cell()))
+        throw values.problem(values.has("sigma") ? "sigma" : "sigma_cells", "the kernel is too wide", "at most 64 cells");
     MaterialSet set = 0;
     for (const std::string& name : values.names("materials")) set = static_cast<MaterialSet>(set | material_set({material_from_name(name)}));
     const std::string& rocks = values.text("rocks");
@@ -241,18 +246,55 @@ CatalogueEntry convolution_row()
 {
     Schema schema{"convolution", "Layers of material under a smoothing kernel: cliffs, overhangs, arches and caves.", stack_parameters()};
     const std::vector<Parameter> own = {
-        {.name = "sigma", .type = ParameterType::length, .doc = "Half-width of the kernel's cube; overrides sigma_cells.", .unit = "m", .minimum = 0, .above_minimum = true},
-        {.name = "sigma_cells", .type = ParameterType::number, .doc = "Half-width of the kernel's cube in cells.", .fallback = 1.0, .unit = "cell", .minimum = 0, .maximum = 64, .above_minimum = true},
-        {.name = "materials", .type = ParameterType::names, .doc = "What is ground: one smooth body.", .fallback = std::vector<std::string>{"sand", "bedrock", "soil"},
-         .choices = {"water", "sand", "bedrock", "rock", "soil"}, .min_count = 1, .max_count = 5},
-        {.name = "rocks", .type = ParameterType::choice, .doc = "Rock layers: a surface of their own, part of the ground, or not traced.", .fallback = std::string("surface"),
+        {.name = "sigma",
+         .type = ParameterType::length,
+         .doc = "Half-width of the kernel's cube; overrides sigma_cells.",
+         .unit = "m",
+         .minimum = 0,
+         .above_minimum = true},
+        {.name = "sigma_cells",
+         .type = ParameterType::number,
+         .doc = "Half-width of the kernel's cube in cells.",
+         .fallback = 1.0,
+         .unit = "cell",
+         .minimum = 0,
+         .maximum = 64,
+         .above_minimum = true},
+        {.name = "materials",
+         .type = ParameterType::names,
+         .doc = "What is ground: one smooth body.",
+         .fallback = std::vector<std::string>{"sand", "bedrock", "soil"},
+         .choices = {"water", "sand", "bedrock", "rock", "soil"},
+         .min_count = 1,
+         .max_count = 5},
+        {.name = "rocks",
+         .type = ParameterType::choice,
+         .doc = "Rock layers: a surface of their own, part of the ground, or not traced.",
+         .fallback = std::string("surface"),
          .choices = {"surface", "ground", "hidden"}},
-        {.name = "border", .type = ParameterType::choice, .doc = "Edge columns go on for ever, or the block is cut out with walls and a bottom.", .fallback = std::string("extend"),
+        {.name = "border",
+         .type = ParameterType::choice,
+         .doc = "Edge columns go on for ever, or the block is cut out with walls and a bottom.",
+         .fallback = std::string("extend"),
          .choices = {"extend", "cut"}},
-        {.name = "base", .type = ParameterType::length, .doc = "Thickness of a cut block below the datum; 2 sigma by default.", .unit = "m", .minimum = 0, .above_minimum = true},
-        {.name = "intersector", .type = ParameterType::choice, .doc = "exact: closed form, needs 2 sigma a multiple of the cell; sphere: any sigma, less memory; auto: exact where possible.",
-         .fallback = std::string("auto"), .choices = {"auto", "exact", "sphere"}},
-        {.name = "normal_width", .type = ParameterType::number, .doc = "Half-width of the differences that give shading normals.", .fallback = 0.75, .unit = "cell", .minimum = 0.01, .maximum = 8},
+        {.name = "base",
+         .type = ParameterType::length,
+         .doc = "Thickness of a cut block below the datum; 2 sigma by default.",
+         .unit = "m",
+         .minimum = 0,
+         .above_minimum = true},
+        {.name = "intersector",
+         .type = ParameterType::choice,
+         .doc = "exact: closed form, needs 2 sigma a multiple of the cell; sphere: any sigma, less memory; auto: exact where possible.",
+         .fallback = std::string("auto"),
+         .choices = {"auto", "exact", "sphere"}},
+        {.name = "normal_width",
+         .type = ParameterType::number,
+         .doc = "Half-width of the differences that give shading normals.",
+         .fallback = 0.75,
+         .unit = "cell",
+         .minimum = 0.01,
+         .maximum = 8},
     };
     schema.parameters.insert(schema.parameters.end(), own.begin(), own.end());
     return {"convolution", "Peytavie2009", std::move(schema), make_convolution};

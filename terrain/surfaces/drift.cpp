@@ -4,9 +4,11 @@
 
 #include <algorithm>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 std::vector<double> box_mean_along_x(const std::vector<double>& values, Vec2i size, int reach)
 {
@@ -43,7 +45,9 @@ std::vector<double> drift_thickness(const std::vector<double>& ground, Vec2i siz
     std::vector<double> thickness(ground.size());
     for (int j = 0; j < size.y; ++j) {
         for (int i = 0; i < size.x; ++i) {
-            const auto at = [&](int x, int y) { return ground[static_cast<std::size_t>(std::clamp(y, 0, size.y - 1)) * size.x + std::clamp(x, 0, size.x - 1)]; };
+            const auto at = [&](int x, int y) {
+                return ground[static_cast<std::size_t>(std::clamp(y, 0, size.y - 1)) * size.x + std::clamp(x, 0, size.x - 1)];
+            };
             const double slope = std::atan(std::hypot(at(i + 1, j) - at(i - 1, j), at(i, j + 1) - at(i, j - 1)) / (2.0 * cell));
             const double t = std::clamp((drift.steep - slope) / (drift.steep - drift.flat), 0.0, 1.0);
             const std::size_t c = static_cast<std::size_t>(j) * size.x + i;

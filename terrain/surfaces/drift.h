@@ -5,13 +5,14 @@
 
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 struct Drift {
-    double thickness;     ///< metres, on flat ground
-    double flat, steep;   ///< radians: all of it up to `flat`, nothing from `steep` on
-    double fill;          ///< share of a hollow that is filled
-    double reach;         ///< metres: half-width of the square whose mean height defines a hollow
+    double thickness;    ///< metres, on flat ground
+    double flat, steep;  ///< radians: all of it up to `flat`, nothing from `steep` on
+    double fill;         ///< share of a hollow that is filled
+    double reach;        ///< metres: half-width of the square whose mean height defines a hollow
 };
 
 /// `ground` in metres, i fastest, size.x * size.y values. Returns metres.

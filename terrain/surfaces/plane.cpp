@@ -6,13 +6,16 @@
 #include "terrain/error.h"
 #include "terrain/surfaces/rows.h"
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 constexpr double kRounding = 8 * 0x1p-53;
 
-class Plane final : public Surface {
+class Plane final : public Surface
+{
 public:
     Plane(const Vec3d& point, const Vec3d& normal, double extent, std::string material)
         : point_(point), normal_(normal.normalized()), extent_(extent), material_(std::move(material))
@@ -26,7 +29,8 @@ public:
     {
         // A disc reaches extent * sqrt(1 - n_k^2) along axis k.
         Vec3d reach;
-        for (int k = 0; k < 3; ++k) reach[k] = extent_ * std::sqrt(std::max(0.0, 1.0 - normal_[k] * normal_[k])) + kRounding * (4 * extent_ + size(point_));
+        for (int k = 0; k < 3; ++k)
+            reach[k] = extent_ * std::sqrt(std::max(0.0, 1.0 - normal_[k] * normal_[k])) + kRounding * (4 * extent_ + size(point_));
         return Box3d(point_ - reach, point_ + reach);
     }
 
@@ -91,9 +95,27 @@ CatalogueEntry plane_row()
 {
     Schema schema{"plane", "A flat ground through a point. Its uv are metres along two axes of the plane.", {}};
     schema.parameters = {
-        {.name = "point", .type = ParameterType::vector, .doc = "A point of the plane.", .fallback = std::vector<double>{0, 0, 0}, .unit = "m", .min_count = 3, .max_count = 3},
-        {.name = "normal", .type = ParameterType::vector, .doc = "Direction towards air; any length.", .fallback = std::vector<double>{0, 0, 1}, .min_count = 3, .max_count = 3},
-        {.name = "extent", .type = ParameterType::length, .doc = "Radius of the circle that is left of the infinite plane.", .fallback = 1e5, .unit = "m", .minimum = 0, .maximum = 1e9, .above_minimum = true},
+        {.name = "point",
+         .type = ParameterType::vector,
+         .doc = "A point of the plane.",
+         .fallback = std::vector<double>{0, 0, 0},
+         .unit = "m",
+         .min_count = 3,
+         .max_count = 3},
+        {.name = "normal",
+         .type = ParameterType::vector,
+         .doc = "Direction towards air; any length.",
+         .fallback = std::vector<double>{0, 0, 1},
+         .min_count = 3,
+         .max_count = 3},
+        {.name = "extent",
+         .type = ParameterType::length,
+         .doc = "Radius of the circle that is left of the infinite plane.",
+         .fallback = 1e5,
+         .unit = "m",
+         .minimum = 0,
+         .maximum = 1e9,
+         .above_minimum = true},
         {.name = "material", .type = ParameterType::text, .doc = "Its material.", .fallback = std::string("ground")},
     };
     return {"plane", "", std::move(schema), make_plane};

@@ -3,11 +3,12 @@
 
 #include "terrain/field.h"
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 struct Refined {
-    double t = 0.0;       ///< metres along the ray
-    double error = 0.0;   ///< the field changes its sign along the ray within this distance of ray.at(t), metres
+    double t = 0.0;      ///< metres along the ray
+    double error = 0.0;  ///< the field changes its sign along the ray within this distance of ray.at(t), metres
 };
 
 /// The crossing of the kind ray.crossing nearest to `t`, where |field| <= value_error is known. If the field does not change its sign within a

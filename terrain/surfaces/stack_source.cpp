@@ -1,9 +1,9 @@
 // A stack as a scene writes it: a grid, layers from the bottom up, then edits in their order.
-// Every layer is a height over the plane, read as `measure` says: the top the layer reaches, a thickness that is added, or a height above which everything
-// is cut away. Heights come from a constant (flat), an image, a named shape (fields/height_shapes.h), or from the ground below (drift: sand where it is
-// flat or low). Heights are metres above z = 0 of the world; they are stored as units above the datum, so that high ground wastes no steps.
-// Drift: the thickness shrinks from full at slopes up to `flat` to none at `steep`, and hollows (below the mean over `reach`) fill up by `fill`.
-// Missing: wind, which would make the drift one-sided; layers that follow another layer's boundary in depth.
+// Every layer is a height over the plane, read as `measure` says: the top the layer reaches, a thickness that is added, or a height above which
+// everything is cut away. Heights come from a constant (flat), an image, a named shape (fields/height_shapes.h), or from the ground below (drift:
+// sand where it is flat or low). Heights are metres above z = 0 of the world; they are stored as units above the datum, so that high ground wastes no
+// steps. Drift: the thickness shrinks from full at slopes up to `flat` to none at `steep`, and hollows (below the mean over `reach`) fill up by
+// `fill`. Missing: wind, which would make the drift one-sided; layers that follow another layer's boundary in depth.
 #include "terrain/surfaces/stack_source.h"
 
 #include "terrain/edit/carve.h"
@@ -18,16 +18,21 @@
 #include <algorithm>
 #include <optional>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
-using Grid = std::vector<double>;   // one height a column, i fastest
+using Grid = std::vector<double>;  // one height a column, i fastest
 
 Parameter measure_parameter()
 {
-    return {.name = "measure", .type = ParameterType::choice, .doc = "What the height means: the top the layer reaches, its thickness, or above it everything is cut away.",
-            .fallback = std::string("top"), .choices = {"top", "thickness", "cut"}};
+    return {.name = "measure",
+            .type = ParameterType::choice,
+            .doc = "What the height means: the top the layer reaches, its thickness, or above it everything is cut away.",
+            .fallback = std::string("top"),
+            .choices = {"top", "thickness", "cut"}};
 }
 
 std::vector<Schema> layer_schemas()
@@ -40,7 +45,11 @@ std::vector<Schema> layer_schemas()
     Schema image{"image", "Heights from an image: one pixel a column, row 0 in the north.", {}};
     image.parameters = {
         {.name = "file", .type = ParameterType::path, .doc = "Any image; its first channel.", .required = true},
-        {.name = "scale", .type = ParameterType::length, .doc = "Metres for the value 1 (white, in images of integers).", .fallback = 1.0, .unit = "m"},
+        {.name = "scale",
+         .type = ParameterType::length,
+         .doc = "Metres for the value 1 (white, in images of integers).",
+         .fallback = 1.0,
+         .unit = "m"},
         {.name = "offset", .type = ParameterType::length, .doc = "Metres for the value 0.", .fallback = 0.0, .unit = "m"},
         measure_parameter(),
     };
@@ -48,10 +57,27 @@ std::vector<Schema> layer_schemas()
     Schema drift{"drift", "Loose material where the ground below is flat or low.", {}};
     drift.parameters = {
         {.name = "thickness", .type = ParameterType::length, .doc = "On flat ground.", .required = true, .unit = "m", .minimum = 0},
-        {.name = "flat", .type = ParameterType::angle, .doc = "Slopes up to this bear all of it.", .fallback = 0.21, .unit = "rad", .minimum = 0, .maximum = 1.57},
-        {.name = "steep", .type = ParameterType::angle, .doc = "Slopes from here on bear nothing.", .fallback = 0.58, .unit = "rad", .minimum = 0, .maximum = 1.57},
+        {.name = "flat",
+         .type = ParameterType::angle,
+         .doc = "Slopes up to this bear all of it.",
+         .fallback = 0.21,
+         .unit = "rad",
+         .minimum = 0,
+         .maximum = 1.57},
+        {.name = "steep",
+         .type = ParameterType::angle,
+         .doc = "Slopes from here on bear nothing.",
+         .fallback = 0.58,
+         .unit = "rad",
+         .minimum = 0,
+         .maximum = 1.57},
         {.name = "fill", .type = ParameterType::number, .doc = "Share of a hollow that is filled.", .fallback = 0.0, .minimum = 0, .maximum = 1},
-        {.name = "reach", .type = ParameterType::length, .doc = "Half-width of the square whose mean height says what is a hollow; 8 cells by default.", .unit = "m", .minimum = 0, .above_minimum = true},
+        {.name = "reach",
+         .type = ParameterType::length,
+         .doc = "Half-width of the square whose mean height says what is a hollow; 8 cells by default.",
+         .unit = "m",
+         .minimum = 0,
+         .above_minimum = true},
     };
     std::vector<Schema> all = {flat, image, drift};
     for (Schema& shape : height_shape_schemas()) {
@@ -59,9 +85,13 @@ std::vector<Schema> layer_schemas()
         all.push_back(std::move(shape));
     }
     for (Schema& schema : all) {
-        schema.parameters.push_back({.name = "material", .type = ParameterType::choice, .doc = "What the layer consists of.", .fallback = std::string("bedrock"),
+        schema.parameters.push_back({.name = "material",
+                                     .type = ParameterType::choice,
+                                     .doc = "What the layer consists of.",
+                                     .fallback = std::string("bedrock"),
                                      .choices = {"air", "water", "sand", "bedrock", "rock", "soil"}});
-        schema.parameters.push_back({.name = "name", .type = ParameterType::text, .doc = "Seeds the layer's noise; by default its number.", .fallback = std::string()});
+        schema.parameters.push_back(
+            {.name = "name", .type = ParameterType::text, .doc = "Seeds the layer's noise; by default its number.", .fallback = std::string()});
     }
     return all;
 }
@@ -71,9 +101,27 @@ Schema carve_schema()
     Schema carve{"carve", "Removes what a ball touches that moves along a line.", {}};
     carve.parameters = {
         {.name = "points", .type = ParameterType::points, .doc = "The line.", .required = true, .unit = "m", .min_count = 1, .max_count = 100000},
-        {.name = "radius", .type = ParameterType::vector, .doc = "One radius, or one for each point.", .required = true, .unit = "m", .minimum = 0, .above_minimum = true, .min_count = 1, .max_count = 100000},
-        {.name = "roughness", .type = ParameterType::number, .doc = "Share of the radius by which noise moves the wall.", .fallback = 0.0, .minimum = 0, .maximum = 0.95},
-        {.name = "wavelength", .type = ParameterType::length, .doc = "Size of that noise; the radius by default.", .unit = "m", .minimum = 0, .above_minimum = true},
+        {.name = "radius",
+         .type = ParameterType::vector,
+         .doc = "One radius, or one for each point.",
+         .required = true,
+         .unit = "m",
+         .minimum = 0,
+         .above_minimum = true,
+         .min_count = 1,
+         .max_count = 100000},
+        {.name = "roughness",
+         .type = ParameterType::number,
+         .doc = "Share of the radius by which noise moves the wall.",
+         .fallback = 0.0,
+         .minimum = 0,
+         .maximum = 0.95},
+        {.name = "wavelength",
+         .type = ParameterType::length,
+         .doc = "Size of that noise; the radius by default.",
+         .unit = "m",
+         .minimum = 0,
+         .above_minimum = true},
         {.name = "name", .type = ParameterType::text, .doc = "Seeds the noise; by default the edit's number.", .fallback = std::string()},
     };
     return carve;
@@ -104,12 +152,14 @@ Plan make_plan(const Values& values, const BuildContext& context)
         if (plan.size.x == 0) plan.size = Vec2i(image->width, image->height);
         if (plan.cell == 0.0) plan.cell = image->cell;
         if (plan.size != Vec2i(image->width, image->height)) {
-            throw layer.problem("file", "size of the height image", fmt::format("{} x {} pixels, one a column", plan.size.x, plan.size.y), fmt::format("{} x {}", image->width, image->height));
+            throw layer.problem("file", "size of the height image", fmt::format("{} x {} pixels, one a column", plan.size.x, plan.size.y),
+                                fmt::format("{} x {}", image->width, image->height));
         }
     }
     if (plan.size.x == 0) throw values.problem("columns", "the size of the grid is not given", "columns = [nx, ny], or a layer from an image");
     if (plan.cell == 0.0) throw values.problem("cell", "the size of a column is not given", "cell = \"... m\", or an image that says it");
-    if (static_cast<double>(plan.size.x) * plan.size.y > 134217728.0) throw values.problem("columns", "the grid is too large", "at most 134217728 columns");
+    if (static_cast<double>(plan.size.x) * plan.size.y > 134217728.0)
+        throw values.problem("columns", "the grid is too large", "at most 134217728 columns");
     return plan;
 }
 
@@ -139,7 +189,8 @@ Grid heights_of(const Values& layer, const std::optional<HeightImage>& image, st
         const HeightFunction height = make_height_shape(layer, seed);
         for (int j = 0; j < plan.size.y; ++j) {
             for (int i = 0; i < plan.size.x; ++i) {
-                heights[static_cast<std::size_t>(j) * plan.size.x + i] = height(Vec2d(plan.origin.x + (i + 0.5) * plan.cell, plan.origin.y + (j + 0.5) * plan.cell));
+                heights[static_cast<std::size_t>(j) * plan.size.x + i] =
+                    height(Vec2d(plan.origin.x + (i + 0.5) * plan.cell, plan.origin.y + (j + 0.5) * plan.cell));
             }
         }
     }
@@ -161,21 +212,26 @@ std::vector<Grid> layer_tops(const Values& values, const BuildContext& context, 
     const std::vector<Values>& layers = values.tables("layer");
     for (std::size_t k = 0; k < layers.size(); ++k) {
         const std::string& name = layers[k].text("name");
-        const Grid heights = heights_of(layers[k], plan.images[k], hash_name(context.seed, name.empty() ? fmt::format("layer {}", k) : name), plan, ground);
+        const Grid heights =
+            heights_of(layers[k], plan.images[k], hash_name(context.seed, name.empty() ? fmt::format("layer {}", k) : name), plan, ground);
         const std::string measure = measure_of(layers[k]);
         // The first layer is the ground itself: what it says below the datum would be lost. A later one may well end below the ground.
         double lowest = k == 0 && measure == "top" ? *std::min_element(heights.begin(), heights.end()) : datum;
         if (measure == "cut") {
-            for (Grid& top : tops) std::transform(top.begin(), top.end(), heights.begin(), top.begin(), [](double a, double b) { return std::min(a, b); });
+            for (Grid& top : tops)
+                std::transform(top.begin(), top.end(), heights.begin(), top.begin(), [](double a, double b) { return std::min(a, b); });
             std::transform(ground.begin(), ground.end(), heights.begin(), ground.begin(), [](double a, double b) { return std::min(a, b); });
         } else {
-            for (std::size_t c = 0; c < n; ++c) ground[c] = std::max(ground[c], measure == "top" ? heights[c] : ground[c] + std::max(0.0, heights[c]));
+            for (std::size_t c = 0; c < n; ++c)
+                ground[c] = std::max(ground[c], measure == "top" ? heights[c] : ground[c] + std::max(0.0, heights[c]));
         }
         tops.push_back(ground);
         const auto [low, high] = std::minmax_element(ground.begin(), ground.end());
         lowest = std::min(lowest, *low);
         if (!(lowest >= datum) || !std::isfinite(*high)) {
-            throw layers[k].problem("material", "heights of a layer", fmt::format("finite heights above the datum of {} m (set `datum` lower)", datum), fmt::format("{} to {} m", lowest, *high));
+            throw layers[k].problem("material", "heights of a layer",
+                                    fmt::format("finite heights above the datum of {} m (set `datum` lower)", datum),
+                                    fmt::format("{} to {} m", lowest, *high));
         }
     }
     return tops;
@@ -190,7 +246,8 @@ void apply_edits(const Values& values, const BuildContext& context, MaterialStac
         sweep.points = edit.points("points");
         sweep.radii = edit.vector("radius");
         if (sweep.radii.size() != 1 && sweep.radii.size() != sweep.points.size()) {
-            throw edit.problem("radius", "radii of a carving", fmt::format("one, or one for each of the {} points", sweep.points.size()), fmt::to_string(sweep.radii.size()));
+            throw edit.problem("radius", "radii of a carving", fmt::format("one, or one for each of the {} points", sweep.points.size()),
+                               fmt::to_string(sweep.radii.size()));
         }
         sweep.roughness = edit.number("roughness");
         sweep.wavelength = edit.has("wavelength") ? edit.number("wavelength") : sweep.radii[0];
@@ -205,14 +262,52 @@ void apply_edits(const Values& values, const BuildContext& context, MaterialStac
 std::vector<Parameter> stack_parameters()
 {
     return {
-        {.name = "columns", .type = ParameterType::vector, .doc = "Columns along x and y; by default those of the first image.", .minimum = 1, .maximum = 1048576, .min_count = 2, .max_count = 2},
-        {.name = "cell", .type = ParameterType::length, .doc = "Width of a column; by default what the first image says.", .unit = "m", .minimum = 0, .above_minimum = true},
-        {.name = "unit", .type = ParameterType::length, .doc = "Step of heights; by default the finest whole fraction of a cell with which the highest ground fits into 8191 steps.", .unit = "m", .minimum = 0, .above_minimum = true},
-        {.name = "origin", .type = ParameterType::vector, .doc = "Where the south-west corner of the grid lies; its z is added to all heights.", .fallback = std::vector<double>{0, 0, 0},
-         .unit = "m", .min_count = 3, .max_count = 3},
-        {.name = "datum", .type = ParameterType::length, .doc = "Lowest height that can be told; below it there is bedrock.", .fallback = 0.0, .unit = "m"},
-        {.name = "layer", .type = ParameterType::tables, .doc = "Layers from the bottom up.", .required = true, .min_count = 1, .max_count = 64, .discriminator = "shape", .items = layer_schemas()},
-        {.name = "edit", .type = ParameterType::tables, .doc = "Edits in their order.", .min_count = 0, .max_count = 100000, .discriminator = "tool", .items = {carve_schema()}},
+        {.name = "columns",
+         .type = ParameterType::vector,
+         .doc = "Columns along x and y; by default those of the first image.",
+         .minimum = 1,
+         .maximum = 1048576,
+         .min_count = 2,
+         .max_count = 2},
+        {.name = "cell",
+         .type = ParameterType::length,
+         .doc = "Width of a column; by default what the first image says.",
+         .unit = "m",
+         .minimum = 0,
+         .above_minimum = true},
+        {.name = "unit",
+         .type = ParameterType::length,
+         .doc = "Step of heights; by default the finest whole fraction of a cell with which the highest ground fits into 8191 steps.",
+         .unit = "m",
+         .minimum = 0,
+         .above_minimum = true},
+        {.name = "origin",
+         .type = ParameterType::vector,
+         .doc = "Where the south-west corner of the grid lies; its z is added to all heights.",
+         .fallback = std::vector<double>{0, 0, 0},
+         .unit = "m",
+         .min_count = 3,
+         .max_count = 3},
+        {.name = "datum",
+         .type = ParameterType::length,
+         .doc = "Lowest height that can be told; below it there is bedrock.",
+         .fallback = 0.0,
+         .unit = "m"},
+        {.name = "layer",
+         .type = ParameterType::tables,
+         .doc = "Layers from the bottom up.",
+         .required = true,
+         .min_count = 1,
+         .max_count = 64,
+         .discriminator = "shape",
+         .items = layer_schemas()},
+        {.name = "edit",
+         .type = ParameterType::tables,
+         .doc = "Edits in their order.",
+         .min_count = 0,
+         .max_count = 100000,
+         .discriminator = "tool",
+         .items = {carve_schema()}},
     };
 }
 
@@ -232,7 +327,8 @@ std::shared_ptr<MaterialStack> make_stack(const Values& values, const BuildConte
     const double highest = *std::max_element(tops.back().begin(), tops.back().end()) - datum;
     const double unit = values.has("unit") ? values.number("unit") : default_unit(highest, plan.cell);
     if (!(highest / unit < MaterialStack::max_top + 0.5)) {
-        throw values.problem("unit", "the ground is too high for this unit", fmt::format("at least {:.6g} m", highest / MaterialStack::max_top), fmt::format("{} m", unit));
+        throw values.problem("unit", "the ground is too high for this unit", fmt::format("at least {:.6g} m", highest / MaterialStack::max_top),
+                             fmt::format("{} m", unit));
     }
     const auto stack = std::make_shared<MaterialStack>(plan.size, plan.cell, unit, plan.origin + Vec3d(0, 0, datum));
     const std::vector<Values>& layers = values.tables("layer");
@@ -246,7 +342,8 @@ std::shared_ptr<MaterialStack> make_stack(const Values& values, const BuildConte
         for (std::size_t c = static_cast<std::size_t>(j0) * plan.size.x; c < static_cast<std::size_t>(j1) * plan.size.x; ++c) {
             std::vector<Layer>& column = columns.emplace_back();
             for (std::size_t k = 0; k < layers.size(); ++k) {
-                if (measure_of(layers[k]) != "cut") column.push_back({materials[k], static_cast<std::int32_t>(std::lround((tops[k][c] - datum) / unit))});
+                if (measure_of(layers[k]) != "cut")
+                    column.push_back({materials[k], static_cast<std::int32_t>(std::lround((tops[k][c] - datum) / unit))});
             }
         }
         stack->set_columns({0, j0}, {plan.size.x, j1}, columns);

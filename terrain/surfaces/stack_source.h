@@ -6,7 +6,8 @@
 
 #include <memory>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// What any row that stands on a stack accepts: grid, [[layer]] tables, [[edit]] tables.
 std::vector<Parameter> stack_parameters();

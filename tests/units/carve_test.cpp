@@ -7,8 +7,10 @@
 
 #include <gtest/gtest.h>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 using Column = std::vector<Layer>;
 
@@ -77,7 +79,7 @@ TEST(Carve, a_ball_leaves_its_volume)
     const std::size_t changed = carve(stack, {.points = {Vec3d(1008, -492, 60)}, .radii = {5.0}});
     EXPECT_NEAR(air_below_top(stack, 2000), 4.0 / 3.0 * M_PI * 125, 2.0);
     EXPECT_NEAR(static_cast<double>(changed), M_PI * 25 / 0.0625, 12);
-    EXPECT_EQ(stack.column(32, 32)[0].top, 500);    // 60 - 5 - 50 = 5 m; the middle of the column is 0.18 m off the axis, which is 3 mm of height
+    EXPECT_EQ(stack.column(32, 32)[0].top, 500);  // 60 - 5 - 50 = 5 m; the middle of the column is 0.18 m off the axis, which is 3 mm of height
     EXPECT_EQ(stack.column(32, 32)[1].material, Material::air);
     EXPECT_EQ(stack.column(0, 0), (Column{{Material::bedrock, 2000}}));
 }

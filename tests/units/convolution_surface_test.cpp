@@ -8,8 +8,10 @@
 
 #include <gtest/gtest.h>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 using testing::table;
 
@@ -39,11 +41,17 @@ bool nearest(const Surface& surface, const Ray& ray, Hit& hit)
 
 Node country(const std::string& intersector, const std::string& border = "extend")
 {
-    return table({{"columns", {24.0, 20.0}}, {"cell", 2.0}, {"unit", 0.01}, {"intersector", intersector}, {"border", border},
-                  {"layer", testing::tables({table({{"shape", "fractal"}, {"height", 20.0}, {"relief", 12.0}, {"wavelength", 30.0}, {"beds", 4.0}}),
-                                             table({{"shape", "drift"}, {"material", "sand"}, {"thickness", 0.8}}),
-                                             table({{"shape", "flat"}, {"material", "rock"}, {"thickness", 0.0}})})},
-                  {"edit", testing::tables({table({{"tool", "carve"}, {"points", testing::list({{10.0, 0.0, 14.0}, {30.0, 40.0, 15.0}})}, {"radius", {5.0}}})})}});
+    return table(
+        {{"columns", {24.0, 20.0}},
+         {"cell", 2.0},
+         {"unit", 0.01},
+         {"intersector", intersector},
+         {"border", border},
+         {"layer", testing::tables({table({{"shape", "fractal"}, {"height", 20.0}, {"relief", 12.0}, {"wavelength", 30.0}, {"beds", 4.0}}),
+                                    table({{"shape", "drift"}, {"material", "sand"}, {"thickness", 0.8}}),
+                                    table({{"shape", "flat"}, {"material", "rock"}, {"thickness", 0.0}})})},
+         {"edit",
+          testing::tables({table({{"tool", "carve"}, {"points", testing::list({{10.0, 0.0, 14.0}, {30.0, 40.0, 15.0}})}, {"radius", {5.0}}})})}});
 }
 
 TEST(ConvolutionSurface, interactions_lie_on_the_surface_and_their_spawn_points_in_air)
@@ -78,7 +86,7 @@ TEST(ConvolutionSurface, interactions_lie_on_the_surface_and_their_spawn_points_
             Hit again;
             EXPECT_FALSE(nearest(*surface, next, again));
         }
-        EXPECT_GT(hits, 190);   // the others leave the grid
+        EXPECT_GT(hits, 190);  // the others leave the grid
     }
 }
 
@@ -102,14 +110,19 @@ TEST(ConvolutionSurface, says_what_it_consists_of)
 TEST(ConvolutionSurface, traces_rock_layers_as_a_body_of_their_own)
 {
     const auto layers = [](const char* rocks) {
-        return table({{"columns", {12.0, 12.0}}, {"cell", 1.0}, {"unit", 0.01}, {"rocks", rocks},
-                      {"layer", testing::tables({table({{"shape", "flat"}, {"top", 5.0}}), table({{"shape", "flat"}, {"material", "rock"}, {"thickness", 4.0}})})}});
+        return table({{"columns", {12.0, 12.0}},
+                      {"cell", 1.0},
+                      {"unit", 0.01},
+                      {"rocks", rocks},
+                      {"layer", testing::tables({table({{"shape", "flat"}, {"top", 5.0}}),
+                                                 table({{"shape", "flat"}, {"material", "rock"}, {"thickness", 4.0}})})}});
     };
     Ray down;
     down.origin = Vec3d(6.2, 6.3, 30);
     down.direction = Vec3d(0, 0, -1);
     Hit hit;
-    const auto own = make("convolution", layers("surface")), joined = make("convolution", layers("ground")), hidden = make("convolution", layers("hidden"));
+    const auto own = make("convolution", layers("surface")), joined = make("convolution", layers("ground")),
+               hidden = make("convolution", layers("hidden"));
     ASSERT_TRUE(nearest(*own, down, hit));
     EXPECT_NEAR(hit.t, 21.0, 1e-4);
     const Interaction at = own->interact(down, hit);
@@ -139,7 +152,7 @@ TEST(ConvolutionSurface, refuses_what_cannot_be_built_at_the_value_that_is_wrong
         return parameters;
     };
     Node odd = with("sigma_cells", testing::number(0.8));
-    EXPECT_EQ(refusal(odd), "accepted");   // auto: sphere
+    EXPECT_EQ(refusal(odd), "accepted");  // auto: sphere
     for (auto& [key, value] : std::get<Node::Table>(odd.value)) {
         if (key == "intersector") value = testing::text("exact");
     }
@@ -147,7 +160,8 @@ TEST(ConvolutionSurface, refuses_what_cannot_be_built_at_the_value_that_is_wrong
     EXPECT_NE(refusal(with("datum", testing::number(30.0))).find("set `datum` lower"), std::string::npos);
     EXPECT_NE(refusal(with("sigma", testing::number(500.0))).find("at most 64 cells"), std::string::npos);
     EXPECT_NE(refusal(table({{"layer", testing::tables({table({{"shape", "flat"}, {"top", 1.0}})})}})).find("columns = [nx, ny]"), std::string::npos);
-    EXPECT_NE(refusal(table({{"columns", {4.0, 4.0}}, {"layer", testing::tables({table({{"shape", "flat"}, {"top", 1.0}})})}})).find("cell = "), std::string::npos);
+    EXPECT_NE(refusal(table({{"columns", {4.0, 4.0}}, {"layer", testing::tables({table({{"shape", "flat"}, {"top", 1.0}})})}})).find("cell = "),
+              std::string::npos);
 }
 
 /// Largest angle in degrees between the shading normals 1e-4 s to either side of lattice planes, over `count` points of the surface.
@@ -171,7 +185,8 @@ double largest_kink(const ConvolutionField& field, double width, int count)
         if (std::abs(field.value(up.at(at.t))) > 1e-9) continue;
         ++found;
         const Vec3d step(1e-4 * s, 0, 0);
-        const Vec3d a = field.smoothed_gradient(up.at(at.t) - step, width).normalized(), b = field.smoothed_gradient(up.at(at.t) + step, width).normalized();
+        const Vec3d a = field.smoothed_gradient(up.at(at.t) - step, width).normalized(),
+                    b = field.smoothed_gradient(up.at(at.t) + step, width).normalized();
         largest = std::max(largest, std::acos(std::min(1.0, a.dot(b))) * 180 / M_PI);
     }
     EXPECT_EQ(found, count);
@@ -186,7 +201,7 @@ TEST(ShadingNormals, do_not_jump_at_lattice_planes)
     const double default_width = std::get<double>(find_in_catalogue("convolution")->schema.parameters.back().fallback);
     const int count = 10000;
     EXPECT_LT(largest_kink(field, default_width, count), 0.2);
-    EXPECT_GT(largest_kink(field, 1e-5, 500), 5.0);   // mutant: hardly any width is the gradient itself, which jumps
+    EXPECT_GT(largest_kink(field, 1e-5, 500), 5.0);  // mutant: hardly any width is the gradient itself, which jumps
 }
 
 TEST(Plane, is_met_where_it_lies)

@@ -10,12 +10,17 @@
 #include <filesystem>
 #include <fstream>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
-class Files : public ::testing::Test {
+class Files : public ::testing::Test
+{
 protected:
-    Files() : folder_(std::filesystem::temp_directory_path() / ("hoodoo_dem_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name())))
+    Files()
+        : folder_(std::filesystem::temp_directory_path() /
+                  ("hoodoo_dem_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name())))
     {
         std::filesystem::create_directories(folder_);
     }
@@ -94,12 +99,14 @@ TEST_F(HeightImages, that_promise_more_than_their_file_can_hold_are_refused)
     const auto targa = [](int w, int h) {
         std::string bytes(18, '\0');
         bytes[2] = 11;
-        bytes[12] = static_cast<char>(w & 255), bytes[13] = static_cast<char>(w >> 8), bytes[14] = static_cast<char>(h & 255), bytes[15] = static_cast<char>(h >> 8);
+        bytes[12] = static_cast<char>(w & 255), bytes[13] = static_cast<char>(w >> 8), bytes[14] = static_cast<char>(h & 255),
+        bytes[15] = static_cast<char>(h >> 8);
         bytes[16] = 8;
         return bytes;
     };
     EXPECT_NE(refusal([&] { read_height_image(write("huge.tga", targa(60000, 60000))); }), "accepted");
-    EXPECT_NE(refusal([&] { read_height_image(write("bomb.tga", targa(30000, 4000))); }).find("promises more than its file can hold"), std::string::npos);
+    EXPECT_NE(refusal([&] { read_height_image(write("bomb.tga", targa(30000, 4000))); }).find("promises more than its file can hold"),
+              std::string::npos);
 }
 
 TEST(Resampling, keeps_ramps_and_interpolates_the_old_pixels)
@@ -123,7 +130,8 @@ TEST(Resampling, keeps_ramps_and_interpolates_the_old_pixels)
 
 TEST(Degrees, have_the_lengths_of_the_ellipsoid)
 {
-    // Published lengths of a degree on WGS 84: at the equator 111.320 and 110.574 km, at 45 degrees 78.847 and 111.132 km, at 60 degrees 55.800 and 111.412 km.
+    // Published lengths of a degree on WGS 84: at the equator 111.320 and 110.574 km, at 45 degrees 78.847 and 111.132 km, at 60 degrees 55.800 and
+    // 111.412 km.
     EXPECT_NEAR(metres_in_a_degree(0)[0], 111320, 1);
     EXPECT_NEAR(metres_in_a_degree(0)[1], 110574, 1);
     EXPECT_NEAR(metres_in_a_degree(45)[0], 78847, 1);

@@ -6,8 +6,10 @@
 
 #include <gtest/gtest.h>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 TEST(MaterialStack, columns_come_out_as_they_went_in)
 {
@@ -41,7 +43,8 @@ TEST(MaterialStack, columns_come_out_as_they_went_in)
 TEST(MaterialStack, equal_neighbours_merge_and_empty_layers_and_air_on_top_vanish)
 {
     MaterialStack stack({1, 1}, 1.0, 1.0);
-    const std::vector<Layer> loose = {{Material::sand, 0}, {Material::bedrock, 3}, {Material::bedrock, 5}, {Material::sand, 5}, {Material::bedrock, 6}, {Material::air, 9}};
+    const std::vector<Layer> loose = {{Material::sand, 0}, {Material::bedrock, 3}, {Material::bedrock, 5},
+                                      {Material::sand, 5}, {Material::bedrock, 6}, {Material::air, 9}};
     stack.set_column(0, 0, loose);
     EXPECT_EQ(stack.column(0, 0), (std::vector<Layer>{{Material::bedrock, 6}}));
     EXPECT_EQ(stack.layer_count(), 1u);
@@ -72,9 +75,12 @@ std::string refusal(auto&& action)
 TEST(MaterialStack, refuses_columns_it_cannot_hold_and_stays_as_it_was)
 {
     MaterialStack stack({4, 3}, 1.0, 1.0);
-    const std::vector<Layer> good = {{Material::bedrock, 7}}, falling = {{Material::bedrock, 7}, {Material::sand, 6}}, high = {{Material::bedrock, 8192}};
+    const std::vector<Layer> good = {{Material::bedrock, 7}}, falling = {{Material::bedrock, 7}, {Material::sand, 6}},
+                             high = {{Material::bedrock, 8192}};
     stack.set_column(2, 1, good);
-    EXPECT_NE(refusal([&] { stack.set_column(2, 1, falling); }).find("column (2, 1): a layer ends below the one under it, expected a top of at least 7 units, got 6"),
+    EXPECT_NE(refusal([&] {
+                  stack.set_column(2, 1, falling);
+              }).find("column (2, 1): a layer ends below the one under it, expected a top of at least 7 units, got 6"),
               std::string::npos);
     EXPECT_NE(refusal([&] { stack.set_column(2, 1, high); }).find("a top of at most 8191 units, got 8192"), std::string::npos);
     EXPECT_NE(refusal([&] { stack.set_column(4, 1, good); }), "accepted");
@@ -122,7 +128,8 @@ TEST(Ground, length_is_that_of_the_runs_clipped)
             const int i = static_cast<int>(mix64(4 * k) % 13) - 2, j = static_cast<int>(mix64(4 * k + 1) % 13) - 2;
             const double low = unit_real(mix64(4 * k + 2)) * 60 - 12, high = low + unit_real(mix64(4 * k + 3)) * 20;
             double expected = 0;
-            ground.for_each_run(i, j, [&](const auto& run) { expected += std::max(0.0, std::min<double>(run.top, high) - std::max<double>(run.bottom, low)); });
+            ground.for_each_run(
+                i, j, [&](const auto& run) { expected += std::max(0.0, std::min<double>(run.top, high) - std::max<double>(run.bottom, low)); });
             ASSERT_NEAR(ground.length(i, j, low, high), expected, 1e-12);
         }
     }

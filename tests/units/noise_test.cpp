@@ -9,17 +9,26 @@
 
 #include <fstream>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
-nlohmann::json golden() { return nlohmann::json::parse(std::ifstream(HOODOO_SOURCE_DIR "/tests/golden/d_canyon.json")); }
+nlohmann::json golden()
+{
+    return nlohmann::json::parse(std::ifstream(HOODOO_SOURCE_DIR "/tests/golden/d_canyon.json"));
+}
 
-double random(std::uint64_t i, double scale) { return (unit_real(mix64(i)) - 0.5) * scale; }
+double random(std::uint64_t i, double scale)
+{
+    return (unit_real(mix64(i)) - 0.5) * scale;
+}
 
 TEST(Noise, lattice_hash_equals_the_golden_values)
 {
     for (const auto& row : golden()["hash"]) {
-        EXPECT_EQ(lattice_hash(static_cast<std::uint32_t>(row["ix"].get<int>()), static_cast<std::uint32_t>(row["iy"].get<int>()), row["seed"].get<std::uint32_t>()),
+        EXPECT_EQ(lattice_hash(static_cast<std::uint32_t>(row["ix"].get<int>()), static_cast<std::uint32_t>(row["iy"].get<int>()),
+                               row["seed"].get<std::uint32_t>()),
                   row["h"].get<std::uint32_t>());
     }
 }
