@@ -13,7 +13,7 @@ namespace hoodoo
 {
 
 struct TileSettings {
-    Filter filter;
+    Filter filter{"blackman-harris"};
     int threads = 0;                                ///< 0: all the process may use
     int tile_size = 32;                             ///< pixels, at least 1
     const std::atomic<bool>* cancel = nullptr;      ///< looked at before each row of a tile
