@@ -5,11 +5,18 @@
 #include <cpuid.h>
 #include <cstring>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-std::string version() { return HOODOO_VERSION; }
+std::string version()
+{
+    return HOODOO_VERSION;
+}
 
-std::string baseline_name() { return HOODOO_BASELINE; }
+std::string baseline_name()
+{
+    return HOODOO_BASELINE;
+}
 
 std::vector<std::pair<std::string, std::string>> library_versions()
 {

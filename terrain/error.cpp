@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 constexpr std::size_t shown_problems = 100;
 constexpr std::size_t shown_letters = 160;
-constexpr std::size_t longest_name = 64;   // longer ones have no typing errors, and the distance costs the product of the lengths
+constexpr std::size_t longest_name = 64;  // longer ones have no typing errors, and the distance costs the product of the lengths
 
 /// Control characters would reach the terminal: they become spaces. Cuts at a letter's border of UTF-8.
 std::string printable(const std::string& text)

@@ -6,7 +6,8 @@
 #include <utility>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// A position in a scene file (or in a text given by a host, whose `file` is then "<text>"). Lines and columns start at 1; 0 = unknown.
 /// `excerpt` is the line itself, so that a message can show it after the text is gone.
@@ -33,7 +34,8 @@ struct Problem {
 };
 
 /// All problems of one file at once. what() is their texts, one after another.
-class Error : public std::exception {
+class Error : public std::exception
+{
 public:
     Error(ErrorKind kind, std::vector<Problem> problems);
     Error(ErrorKind kind, Problem problem) : Error(kind, std::vector<Problem>{std::move(problem)}) {}

@@ -8,8 +8,10 @@
 
 #include <algorithm>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 [[noreturn]] void misuse(const std::string& name, const char* what)
 {
@@ -98,16 +100,46 @@ const std::vector<T>& Values::get_list(const std::string& name) const
     return entry(name) ? get<std::vector<T>>(name) : none;
 }
 
-bool Values::has(const std::string& name) const { return entry(name) != nullptr; }
-bool Values::boolean(const std::string& name) const { return get<bool>(name); }
-std::int64_t Values::integer(const std::string& name) const { return get<std::int64_t>(name); }
-double Values::number(const std::string& name) const { return get<double>(name); }
-const std::string& Values::text(const std::string& name) const { return get<std::string>(name); }
-const std::vector<double>& Values::vector(const std::string& name) const { return get<std::vector<double>>(name); }
-const std::vector<Vec3d>& Values::points(const std::string& name) const { return get_list<Vec3d>(name); }
-const ColorValue& Values::color(const std::string& name) const { return get<ColorValue>(name); }
-const std::vector<std::string>& Values::names(const std::string& name) const { return get_list<std::string>(name); }
-const std::vector<Values>& Values::tables(const std::string& name) const { return get_list<Values>(name); }
+bool Values::has(const std::string& name) const
+{
+    return entry(name) != nullptr;
+}
+bool Values::boolean(const std::string& name) const
+{
+    return get<bool>(name);
+}
+std::int64_t Values::integer(const std::string& name) const
+{
+    return get<std::int64_t>(name);
+}
+double Values::number(const std::string& name) const
+{
+    return get<double>(name);
+}
+const std::string& Values::text(const std::string& name) const
+{
+    return get<std::string>(name);
+}
+const std::vector<double>& Values::vector(const std::string& name) const
+{
+    return get<std::vector<double>>(name);
+}
+const std::vector<Vec3d>& Values::points(const std::string& name) const
+{
+    return get_list<Vec3d>(name);
+}
+const ColorValue& Values::color(const std::string& name) const
+{
+    return get<ColorValue>(name);
+}
+const std::vector<std::string>& Values::names(const std::string& name) const
+{
+    return get_list<std::string>(name);
+}
+const std::vector<Values>& Values::tables(const std::string& name) const
+{
+    return get_list<Values>(name);
+}
 
 Vec3d Values::vec3(const std::string& name) const
 {
@@ -143,20 +175,30 @@ void Values::read(const Parameter& p, const Node& node, bool in_degrees, std::ve
         if (value) entries_[p.name] = Entry{Value(*std::move(value)), node.where};
     };
     switch (p.type) {
-    case ParameterType::boolean: return keep(reader.boolean());
-    case ParameterType::integer: return keep(reader.integer());
-    case ParameterType::number:
-    case ParameterType::length:
-    case ParameterType::duration: return keep(reader.number());
-    case ParameterType::angle: return keep(in_degrees ? reader.degrees() : reader.number());
-    case ParameterType::text:
-    case ParameterType::choice:
-    case ParameterType::path: return keep(reader.text());
-    case ParameterType::vector: return keep(reader.vector());
-    case ParameterType::points: return keep(reader.points());
-    case ParameterType::color: return keep(reader.color());
-    case ParameterType::names: return keep(reader.names());
-    case ParameterType::tables: break;
+        case ParameterType::boolean:
+            return keep(reader.boolean());
+        case ParameterType::integer:
+            return keep(reader.integer());
+        case ParameterType::number:
+        case ParameterType::length:
+        case ParameterType::duration:
+            return keep(reader.number());
+        case ParameterType::angle:
+            return keep(in_degrees ? reader.degrees() : reader.number());
+        case ParameterType::text:
+        case ParameterType::choice:
+        case ParameterType::path:
+            return keep(reader.text());
+        case ParameterType::vector:
+            return keep(reader.vector());
+        case ParameterType::points:
+            return keep(reader.points());
+        case ParameterType::color:
+            return keep(reader.color());
+        case ParameterType::names:
+            return keep(reader.names());
+        case ParameterType::tables:
+            break;
     }
     const Node::Array* items = reader.list();
     if (!items) return;
@@ -171,20 +213,23 @@ void Values::read(const Parameter& p, const Node& node, bool in_degrees, std::ve
 
 void Values::fill(const Parameter& p)
 {
-    const bool real = p.type == ParameterType::number || p.type == ParameterType::length || p.type == ParameterType::angle
-                      || p.type == ParameterType::duration;
+    const bool real =
+        p.type == ParameterType::number || p.type == ParameterType::length || p.type == ParameterType::angle || p.type == ParameterType::duration;
     const auto keep = [&](auto&& value) { entries_[p.name] = Entry{Value(value), where_}; };
     std::visit(
         [&](const auto& value) {
             using T = std::decay_t<decltype(value)>;
-            if constexpr (std::is_same_v<T, std::monostate>) return;
-            else if constexpr (std::is_same_v<T, std::int64_t>) real ? keep(static_cast<double>(value)) : keep(value);
+            if constexpr (std::is_same_v<T, std::monostate>)
+                return;
+            else if constexpr (std::is_same_v<T, std::int64_t>)
+                real ? keep(static_cast<double>(value)) : keep(value);
             else if constexpr (std::is_same_v<T, std::vector<double>>) {
                 if (p.type != ParameterType::points) return keep(value);
                 std::vector<Vec3d> points;
                 for (std::size_t i = 0; i + 2 < value.size(); i += 3) points.emplace_back(value[i], value[i + 1], value[i + 2]);
                 keep(points);
-            } else keep(value);
+            } else
+                keep(value);
         },
         p.fallback);
 }
@@ -206,7 +251,10 @@ Values check(const Schema& schema, const Node& table, std::vector<Problem>& prob
         bool in_degrees = false;
         const Parameter* p = find_parameter(schema, key, in_degrees);
         if (!p) {
-            problems.push_back({node.key_where, fmt::format("unknown key \"{}\" in {}", key, schema.name), {}, {},
+            problems.push_back({node.key_where,
+                                fmt::format("unknown key \"{}\" in {}", key, schema.name),
+                                {},
+                                {},
                                 problems.size() < 100 ? nearest_name(key, keys_of(schema)) : std::string()});
             continue;
         }

@@ -13,16 +13,17 @@
 #include <variant>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// A scene file (or a host's dictionary) as plain data, each value with its position. Tables keep the order of the file.
 struct Node {
     using Array = std::vector<Node>;
     using Table = std::vector<std::pair<std::string, Node>>;
     std::variant<bool, std::int64_t, double, std::string, Array, Table> value = Table{};
-    Source where;      ///< of the value
-    Source key_where;  ///< of its key (the value's own position inside arrays)
-    bool broken = false;   ///< already has its Problem (an expression that failed): no second one for its type
+    Source where;         ///< of the value
+    Source key_where;     ///< of its key (the value's own position inside arrays)
+    bool broken = false;  ///< already has its Problem (an expression that failed): no second one for its type
 
     const Node* find(const std::string& key) const;  ///< nullptr if absent or if this is no table
 };
@@ -30,18 +31,18 @@ struct Node {
 enum class ParameterType {
     boolean,
     integer,
-    number,     ///< no unit
-    length,     ///< metres; also "350 m", "1.2 km", "5 mm"
-    angle,      ///< radians inside; in a file "12 deg", "0.2 rad", or the key NAME_deg with a bare number. A bare number under NAME is an error
-    duration,   ///< seconds; also "40 ms"
+    number,    ///< no unit
+    length,    ///< metres; also "350 m", "1.2 km", "5 mm"
+    angle,     ///< radians inside; in a file "12 deg", "0.2 rad", or the key NAME_deg with a bare number. A bare number under NAME is an error
+    duration,  ///< seconds; also "40 ms"
     text,
-    choice,     ///< one of `choices`
-    vector,     ///< `min_count` to `max_count` bare numbers (or unit strings where unit == "m")
-    points,     ///< a list of points of three numbers, metres
-    color,      ///< names its space: { acescg = [r,g,b] }, { lin_rec709 = [..] }, { srgb = [..] }, { grey = 0.5 }, or "#c8a070" (sRGB)
-    path,       ///< a file, relative to the file that names it
-    names,      ///< a list of texts, each one of `choices` where choices are given
-    tables,     ///< a list of tables ([[...]]), each checked by the member of `items` that `discriminator` chooses
+    choice,  ///< one of `choices`
+    vector,  ///< `min_count` to `max_count` bare numbers (or unit strings where unit == "m")
+    points,  ///< a list of points of three numbers, metres
+    color,   ///< names its space: { acescg = [r,g,b] }, { lin_rec709 = [..] }, { srgb = [..] }, { grey = 0.5 }, or "#c8a070" (sRGB)
+    path,    ///< a file, relative to the file that names it
+    names,   ///< a list of texts, each one of `choices` where choices are given
+    tables,  ///< a list of tables ([[...]]), each checked by the member of `items` that `discriminator` chooses
 };
 
 struct Parameter;
@@ -67,20 +68,21 @@ struct Parameter {
     std::string doc = {};
     Default fallback = {};
     bool required = false;
-    std::string unit = {};                            ///< for the documentation: "m", "cell", "1/m"
-    double minimum = -kInfinity;                      ///< inclusive, for every component
+    std::string unit = {};        ///< for the documentation: "m", "cell", "1/m"
+    double minimum = -kInfinity;  ///< inclusive, for every component
     double maximum = kInfinity;
-    bool above_minimum = false;                       ///< minimum itself excluded
+    bool above_minimum = false;  ///< minimum itself excluded
     std::vector<std::string> choices = {};
-    int min_count = 0;                                ///< vector, points, names, tables
+    int min_count = 0;  ///< vector, points, names, tables
     int max_count = 1 << 20;
-    std::string discriminator = {};                   ///< tables: the key that names the item's schema
-    std::vector<Schema> items = {};                   ///< tables: one schema for each value of the discriminator (exactly one if it is empty)
+    std::string discriminator = {};  ///< tables: the key that names the item's schema
+    std::vector<Schema> items = {};  ///< tables: one schema for each value of the discriminator (exactly one if it is empty)
 };
 
 /// Checked values of one table. Getters throw an internal Error on a name the schema does not have: a typing error of ours, not of the user.
 /// An absent optional value throws too, except for lists (points, names, tables), which read as empty.
-class Values {
+class Values
+{
 public:
     bool has(const std::string& name) const;
     bool boolean(const std::string& name) const;
@@ -121,7 +123,7 @@ private:
     void fill(const Parameter& parameter);
 
     std::map<std::string, Entry> entries_;
-    std::vector<std::string> known_;   ///< all names of the schema
+    std::vector<std::string> known_;  ///< all names of the schema
     std::string variant_;
     Source where_;
 };

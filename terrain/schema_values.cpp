@@ -1,5 +1,5 @@
-// One value of a scene, read as its parameter's type: numbers with units, colours with a space, lists with a length. SI units only; decimal point only.
-// A bare number is metres or seconds, but never an angle, where degrees and radians are mixed up too often: NAME_deg or a unit says which.
+// One value of a scene, read as its parameter's type: numbers with units, colours with a space, lists with a length. SI units only; decimal point
+// only. A bare number is metres or seconds, but never an angle, where degrees and radians are mixed up too often: NAME_deg or a unit says which.
 // Deviation: an integer may also be written as an integral real number (spp = 1e3). Missing: temperatures and compound units.
 #include "terrain/schema_values.h"
 
@@ -9,31 +9,45 @@
 #include <charconv>
 #include <cstddef>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 constexpr double kPi = 3.14159265358979323846;
 
 /// x / 180 first: the usual angles (90, 45, 30 deg ...) then give the nearest double to pi / 2, pi / 4 ...
-double radians(double degrees) { return degrees / 180.0 * kPi; }
+double radians(double degrees)
+{
+    return degrees / 180.0 * kPi;
+}
 
 struct Unit {
     const char* name;
     ParameterType type;
-    double factor;   // to the SI unit
+    double factor;  // to the SI unit
 };
 
 constexpr double by_degrees = -1.0;
 constexpr std::array units = {
-    Unit{"m", ParameterType::length, 1.0},       Unit{"km", ParameterType::length, 1e3},          Unit{"cm", ParameterType::length, 1e-2},
-    Unit{"mm", ParameterType::length, 1e-3},     Unit{"um", ParameterType::length, 1e-6},         Unit{"nm", ParameterType::length, 1e-9},
-    Unit{"rad", ParameterType::angle, 1.0},      Unit{"deg", ParameterType::angle, by_degrees},   Unit{"s", ParameterType::duration, 1.0},
-    Unit{"ms", ParameterType::duration, 1e-3},   Unit{"min", ParameterType::duration, 60.0},      Unit{"h", ParameterType::duration, 3600.0},
+    Unit{"m", ParameterType::length, 1.0},     Unit{"km", ParameterType::length, 1e3},        Unit{"cm", ParameterType::length, 1e-2},
+    Unit{"mm", ParameterType::length, 1e-3},   Unit{"um", ParameterType::length, 1e-6},       Unit{"nm", ParameterType::length, 1e-9},
+    Unit{"rad", ParameterType::angle, 1.0},    Unit{"deg", ParameterType::angle, by_degrees}, Unit{"s", ParameterType::duration, 1.0},
+    Unit{"ms", ParameterType::duration, 1e-3}, Unit{"min", ParameterType::duration, 60.0},    Unit{"h", ParameterType::duration, 3600.0},
 };
 
-const double* real(const Node& node) { return std::get_if<double>(&node.value); }
-const std::int64_t* whole(const Node& node) { return std::get_if<std::int64_t>(&node.value); }
-const std::string* string(const Node& node) { return std::get_if<std::string>(&node.value); }
+const double* real(const Node& node)
+{
+    return std::get_if<double>(&node.value);
+}
+const std::int64_t* whole(const Node& node)
+{
+    return std::get_if<std::int64_t>(&node.value);
+}
+const std::string* string(const Node& node)
+{
+    return std::get_if<std::string>(&node.value);
+}
 
 std::optional<double> bare_number(const Node& node)
 {
@@ -97,20 +111,34 @@ std::optional<ColorValue> hex_color(const std::string& text)
 std::string expected_text(const Parameter& p)
 {
     switch (p.type) {
-    case ParameterType::boolean: return "true or false";
-    case ParameterType::integer: return "an integer" + range_text(p);
-    case ParameterType::number: return "a number" + range_text(p);
-    case ParameterType::length: return "a length such as 350 (metres) or \"350 m\"" + range_text(p);
-    case ParameterType::angle: return fmt::format("an angle such as \"12 deg\" (or the key {}_deg with a number){}", p.name, range_text(p));
-    case ParameterType::duration: return "a time such as 0.04 (seconds) or \"40 ms\"" + range_text(p);
-    case ParameterType::text: return "a text";
-    case ParameterType::choice: return "one of " + choice_text(p.choices);
-    case ParameterType::vector: return "a list of " + count_text(p) + (p.unit == "m" ? "lengths" : "numbers") + range_text(p);
-    case ParameterType::points: return "a list of " + count_text(p) + "points [x, y, z] in metres";
-    case ParameterType::color: return "a colour such as \"#c8a070\" or { srgb = [0.8, 0.6, 0.4] } (srgb, lin_rec709, acescg, grey)" + range_text(p);
-    case ParameterType::path: return "a path";
-    case ParameterType::names: return "a list of " + count_text(p) + (p.choices.empty() ? "texts" : "of " + choice_text(p.choices));
-    case ParameterType::tables: return "a list of " + count_text(p) + "tables, written [[...]]";
+        case ParameterType::boolean:
+            return "true or false";
+        case ParameterType::integer:
+            return "an integer" + range_text(p);
+        case ParameterType::number:
+            return "a number" + range_text(p);
+        case ParameterType::length:
+            return "a length such as 350 (metres) or \"350 m\"" + range_text(p);
+        case ParameterType::angle:
+            return fmt::format("an angle such as \"12 deg\" (or the key {}_deg with a number){}", p.name, range_text(p));
+        case ParameterType::duration:
+            return "a time such as 0.04 (seconds) or \"40 ms\"" + range_text(p);
+        case ParameterType::text:
+            return "a text";
+        case ParameterType::choice:
+            return "one of " + choice_text(p.choices);
+        case ParameterType::vector:
+            return "a list of " + count_text(p) + (p.unit == "m" ? "lengths" : "numbers") + range_text(p);
+        case ParameterType::points:
+            return "a list of " + count_text(p) + "points [x, y, z] in metres";
+        case ParameterType::color:
+            return "a colour such as \"#c8a070\" or { srgb = [0.8, 0.6, 0.4] } (srgb, lin_rec709, acescg, grey)" + range_text(p);
+        case ParameterType::path:
+            return "a path";
+        case ParameterType::names:
+            return "a list of " + count_text(p) + (p.choices.empty() ? "texts" : "of " + choice_text(p.choices));
+        case ParameterType::tables:
+            return "a list of " + count_text(p) + "tables, written [[...]]";
     }
     return {};
 }
@@ -178,8 +206,7 @@ std::optional<double> ValueReader::component(const Node& node) const
     const bool lengths = p_.type == ParameterType::length || p_.unit == "m";
     std::optional<double> value;
     if (p_.type != ParameterType::angle) value = bare_number(node);
-    if (const auto* s = string(node); s && p_.type != ParameterType::number)
-        value = parse_quantity(*s, lengths ? ParameterType::length : p_.type);
+    if (const auto* s = string(node); s && p_.type != ParameterType::number) value = parse_quantity(*s, lengths ? ParameterType::length : p_.type);
     if (!value) {
         const bool bare_angle = p_.type == ParameterType::angle && bare_number(node);
         wrong(node, p_.name + (bare_angle ? " is an angle without a unit" : string(node) ? " cannot be read" : " has the wrong type"));
@@ -188,7 +215,10 @@ std::optional<double> ValueReader::component(const Node& node) const
     return in_range(*value, node) ? value : std::nullopt;
 }
 
-std::optional<double> ValueReader::number() const { return component(node_); }
+std::optional<double> ValueReader::number() const
+{
+    return component(node_);
+}
 
 std::optional<double> ValueReader::degrees() const
 {
@@ -285,7 +315,7 @@ std::optional<ColorValue> ValueReader::color() const
         numbers.type = space == "grey" ? ParameterType::number : ParameterType::vector;
         numbers.min_count = numbers.max_count = 3;
         const ValueReader reader(numbers, value, problems_);
-        if (space == "grey") {   // the same number in each channel is a grey of that reflectance in every space with this white
+        if (space == "grey") {  // the same number in each channel is a grey of that reflectance in every space with this white
             const auto g = reader.number();
             return g ? std::optional(ColorValue{Vec3d(*g), "acescg"}) : std::nullopt;
         }

@@ -5,7 +5,8 @@
 
 #include <optional>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// What a parameter accepts, in words for an error: `a length in m such as 350 or "350 m", above 0`.
 std::string expected_text(const Parameter& parameter);
@@ -17,7 +18,8 @@ std::string quoted_value(const Node& node);
 std::optional<double> parse_quantity(const std::string& text, ParameterType type);
 
 /// Reads one value; `problems` grows where it is wrong.
-class ValueReader {
+class ValueReader
+{
 public:
     ValueReader(const Parameter& parameter, const Node& node, std::vector<Problem>& problems) : p_(parameter), node_(node), problems_(problems) {}
 

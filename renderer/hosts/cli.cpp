@@ -12,8 +12,10 @@
 #include <new>
 #include <tuple>
 
-namespace hoodoo::cli {
-namespace {
+namespace hoodoo::cli
+{
+namespace
+{
 
 /// All that the options fill in.
 struct Arguments {
@@ -44,7 +46,9 @@ const CLI::Validator picture_name(
     },
     "FILE.exr|FILE.png", "picture");
 
-const CLI::Validator exr_name([](std::string& name) { return name.ends_with(".exr") ? std::string() : "a height image ends in .exr, not \"" + name + "\""; }, "FILE.exr", "exr");
+const CLI::Validator exr_name(
+    [](std::string& name) { return name.ends_with(".exr") ? std::string() : "a height image ends in .exr, not \"" + name + "\""; }, "FILE.exr",
+    "exr");
 
 void add_scene_options(CLI::App& command, Arguments& a)
 {
@@ -52,7 +56,9 @@ void add_scene_options(CLI::App& command, Arguments& a)
     command.add_option("scene", scene.scene, "Scene file (TOML)")->required();
     command.add_option("-D,--define", a.params, "Replace a parameter of the scene: name=value")->take_all()->allow_extra_args(false);
     command.add_option("--set", a.sets, "Replace any value of the scene: path.to.key=value")->take_all()->allow_extra_args(false);
-    command.add_option("--allow-read", scene.overrides.allowed_roots, "A folder the scene may read files from, beside its own")->take_all()->allow_extra_args(false);
+    command.add_option("--allow-read", scene.overrides.allowed_roots, "A folder the scene may read files from, beside its own")
+        ->take_all()
+        ->allow_extra_args(false);
     command.add_option("--colorconfig", scene.colorconfig, "OpenColorIO configuration (else the scene's, $OCIO, the one built in)");
     command.add_option("-t,--threads", scene.threads, "Threads; 0 = all this process may use")->check(CLI::Range(0, 4096));
     command.add_option("--seed", a.seed, "Replace the scene's seed")->check(CLI::NonNegativeNumber);
@@ -68,8 +74,12 @@ void add_render(CLI::App& app, Arguments& a)
     command->add_option("--spp", a.spp, "Samples a pixel")->check(CLI::Range(1, 1 << 24));
     command->add_option("-r,--resolution", a.resolution, "Width and height in pixels")->expected(2)->check(CLI::Range(1, 65536));
     command->add_option("--replicates", a.replicates, "Independent repetitions among the samples (unbiased variance)")->check(CLI::Range(1, 4096));
-    auto* crop = command->add_option("--crop-window", a.crop_window, "x0,x1,y0,y1 as fractions of the picture, y downwards")->delimiter(',')->expected(4);
-    command->add_option("--pixel-bounds", a.pixel_bounds, "x0,x1,y0,y1 in pixels, half-open, y downwards")->delimiter(',')->expected(4)->excludes(crop);
+    auto* crop =
+        command->add_option("--crop-window", a.crop_window, "x0,x1,y0,y1 as fractions of the picture, y downwards")->delimiter(',')->expected(4);
+    command->add_option("--pixel-bounds", a.pixel_bounds, "x0,x1,y0,y1 in pixels, half-open, y downwards")
+        ->delimiter(',')
+        ->expected(4)
+        ->excludes(crop);
     command->add_flag("--quick", r.options.quick, "A quarter of the resolution and of the samples");
     command->add_flag("-n,--dry-run", r.dry_run, "Read and build the scene, estimate time and memory, write nothing");
 }
@@ -86,15 +96,28 @@ void add_import_dem(CLI::App& app, Arguments& a)
 {
     CLI::App* command = app.add_subcommand("import-dem", "Turn an elevation model into a height image in metres with square cells");
     DemOptions& o = a.import.options;
-    const auto length = [&](const char* flag, double& value, const char* help) { command->add_option(flag, value, help)->transform(in_metres)->check(CLI::PositiveNumber); };
+    const auto length = [&](const char* flag, double& value, const char* help) {
+        command->add_option(flag, value, help)->transform(in_metres)->check(CLI::PositiveNumber);
+    };
     command->add_option("input", a.import.input, "NumPy archive (.npz) or any image")->required();
     command->add_option("-o,--output", a.import.output, "Height image to write (.exr)")->required()->check(exr_name);
     command->add_option("--array", o.array, "Array of an archive; without it the only one with two dimensions");
     command->add_flag("--flip", o.flip, "Row 0 of the source is the south");
-    command->add_option("--subset", a.subset, "x0,x1,y0,y1 in source pixels, half-open, row 0 = north")->delimiter(',')->expected(4)->check(CLI::NonNegativeNumber);
+    command->add_option("--subset", a.subset, "x0,x1,y0,y1 in source pixels, half-open, row 0 = north")
+        ->delimiter(',')
+        ->expected(4)
+        ->check(CLI::NonNegativeNumber);
     length("--scale", o.scale, "Metres for the value 1");
-    auto* cell = command->add_option("--cell", a.cell, "Metres between source pixels: one number, or x,y")->delimiter(',')->expected(1, 2)->transform(in_metres)->check(CLI::PositiveNumber);
-    command->add_option("--degrees", a.degrees, "Degrees between source pixels: one number, or x,y")->delimiter(',')->expected(1, 2)->check(CLI::PositiveNumber)->excludes(cell);
+    auto* cell = command->add_option("--cell", a.cell, "Metres between source pixels: one number, or x,y")
+                     ->delimiter(',')
+                     ->expected(1, 2)
+                     ->transform(in_metres)
+                     ->check(CLI::PositiveNumber);
+    command->add_option("--degrees", a.degrees, "Degrees between source pixels: one number, or x,y")
+        ->delimiter(',')
+        ->expected(1, 2)
+        ->check(CLI::PositiveNumber)
+        ->excludes(cell);
     command->add_option("--latitude", o.latitude, "Of the middle, in degrees; without it from the archive")->check(CLI::Range(-89.0, 89.0));
     length("--resample", o.resample_to, "Metres between the cells written; without it the smaller of the two spacings");
     command->add_flag("-q,--quiet", a.import.quiet, "Say nothing but errors");
@@ -114,7 +137,8 @@ void add_commands(CLI::App& app, Arguments& a)
     add_render(app, a);
     add_scene_options(*app.add_subcommand("check", "Read and build a scene, report all its errors"), a);
     add_scene_options(*app.add_subcommand("info", "Print what a scene is made of, as JSON"), a);
-    app.add_subcommand("schema", "Print the JSON Schema of scenes for editors")->add_option("section", a.section, "Explain one section instead: film, terrain.TYPE, light.TYPE ...");
+    app.add_subcommand("schema", "Print the JSON Schema of scenes for editors")
+        ->add_option("section", a.section, "Explain one section instead: film, terrain.TYPE, light.TYPE ...");
     app.add_subcommand("version", "Print the versions of the program and its libraries");
 }
 
@@ -169,7 +193,7 @@ int run(int argc, char** argv)
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : exit_usage;
     }
-    selected_isa();   // an unknown HOODOO_ISA is an error before any work
+    selected_isa();  // an unknown HOODOO_ISA is an error before any work
     const CLI::App& command = *app.get_subcommands().front();
     finish_arguments(command, arguments);
     const std::string& name = command.get_name();

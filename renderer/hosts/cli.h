@@ -10,7 +10,8 @@
 #include <string>
 #include <vector>
 
-namespace hoodoo::cli {
+namespace hoodoo::cli
+{
 
 /// Exit codes: 0, those of ErrorKind, and 128 + the signal's number.
 constexpr int exit_usage = 2;
@@ -46,7 +47,8 @@ int run_version();
 int run_import_dem(const ImportArguments& arguments);
 
 /// A bar with the time left on a terminal; elsewhere a plain line for each tenth. On stderr: stdout is for data.
-class Progress {
+class Progress
+{
 public:
     explicit Progress(bool quiet);
     ~Progress();
@@ -65,7 +67,7 @@ private:
     bool quiet_, terminal_;
     bool drawn_ = false;
     std::string what_;
-    int shown_ = -1;   ///< tenths, or hundredths on a terminal
+    int shown_ = -1;  ///< tenths, or hundredths on a terminal
     std::chrono::steady_clock::time_point start_, last_;
 };
 

@@ -15,9 +15,11 @@
 #include <filesystem>
 #include <unistd.h>
 
-namespace hoodoo::cli {
+namespace hoodoo::cli
+{
 namespace fs = std::filesystem;
-namespace {
+namespace
+{
 
 using Json = nlohmann::ordered_json;
 
@@ -41,7 +43,8 @@ void check_output(const std::string& path)
     std::error_code error;
     if (!fs::is_directory(named, error)) throw Error(ErrorKind::file, fmt::format("cannot write \"{}\": there is no folder \"{}\"", path, named));
     if (fs::is_directory(path, error)) throw Error(ErrorKind::file, fmt::format("cannot write \"{}\": it is a folder", path));
-    if (::access(named.c_str(), W_OK) != 0) throw Error(ErrorKind::file, fmt::format("cannot write \"{}\": the folder \"{}\" is not writable", path, named));
+    if (::access(named.c_str(), W_OK) != 0)
+        throw Error(ErrorKind::file, fmt::format("cannot write \"{}\": the folder \"{}\" is not writable", path, named));
 }
 
 /// Size and samples of the picture: the command line's, else the scene's.
@@ -51,10 +54,12 @@ struct PictureSize {
 
 PictureSize picture_size(const Description& scene, const RenderOptions& options)
 {
-    PictureSize size{options.width.value_or(static_cast<int>(scene.film.integer("width"))), options.height.value_or(static_cast<int>(scene.film.integer("height"))),
+    PictureSize size{options.width.value_or(static_cast<int>(scene.film.integer("width"))),
+                     options.height.value_or(static_cast<int>(scene.film.integer("height"))),
                      options.spp.value_or(static_cast<int>(scene.render.integer("spp")))};
     if (const std::string what = too_large(size.width, size.height, size.spp); !what.empty()) throw Error(ErrorKind::scene, what);
-    if (options.quick) size = {std::max<std::int64_t>(1, size.width / 4), std::max<std::int64_t>(1, size.height / 4), std::max<std::int64_t>(1, size.spp / 4)};
+    if (options.quick)
+        size = {std::max<std::int64_t>(1, size.width / 4), std::max<std::int64_t>(1, size.height / 4), std::max<std::int64_t>(1, size.spp / 4)};
     return size;
 }
 
@@ -63,8 +68,13 @@ Json info_json(const LoadedScene& loaded)
     Json terrains = Json::object();
     for (const SceneObject& object : loaded.scene->objects()) {
         const SurfaceInfo& i = object.info;
-        terrains[object.name] = {{"type", object.type},          {"columns", i.columns}, {"layers", i.layers},           {"stack_bytes", i.stack_bytes},
-                                 {"trace_bytes", i.trace_bytes}, {"patches", i.patches}, {"build_seconds", i.build_seconds}};
+        terrains[object.name] = {{"type", object.type},
+                                 {"columns", i.columns},
+                                 {"layers", i.layers},
+                                 {"stack_bytes", i.stack_bytes},
+                                 {"trace_bytes", i.trace_bytes},
+                                 {"patches", i.patches},
+                                 {"build_seconds", i.build_seconds}};
     }
     Json lights = Json::object();
     for (const DescribedNode& light : loaded.description.lights) lights[light.name] = {{"type", light.type}};
@@ -106,17 +116,24 @@ int estimate(const LoadedScene& loaded, const RenderArguments& arguments)
 
 std::string default_text(const Parameter& p)
 {
-    Node node;   // only to quote the value as errors do
-    if (const auto* b = std::get_if<bool>(&p.fallback)) node.value = *b;
-    else if (const auto* i = std::get_if<std::int64_t>(&p.fallback)) node.value = *i;
+    Node node;  // only to quote the value as errors do
+    if (const auto* b = std::get_if<bool>(&p.fallback))
+        node.value = *b;
+    else if (const auto* i = std::get_if<std::int64_t>(&p.fallback))
+        node.value = *i;
     else if (const auto* x = std::get_if<double>(&p.fallback)) {
         if (p.type == ParameterType::angle) return fmt::format(" Default {:.6g} deg.", *x * 57.295779513082323);
         node.value = *x;
-    } else if (const auto* s = std::get_if<std::string>(&p.fallback)) node.value = *s;
-    else if (const auto* v = std::get_if<std::vector<double>>(&p.fallback)) return fmt::format(" Default [{}].", fmt::join(*v, ", "));
-    else if (const auto* c = std::get_if<ColorValue>(&p.fallback)) return fmt::format(" Default {{ {} = [{}, {}, {}] }}.", c->space, c->rgb.x, c->rgb.y, c->rgb.z);
-    else if (const auto* n = std::get_if<std::vector<std::string>>(&p.fallback)) return fmt::format(" Default [\"{}\"].", fmt::join(*n, "\", \""));
-    else return p.required ? " Required." : "";
+    } else if (const auto* s = std::get_if<std::string>(&p.fallback))
+        node.value = *s;
+    else if (const auto* v = std::get_if<std::vector<double>>(&p.fallback))
+        return fmt::format(" Default [{}].", fmt::join(*v, ", "));
+    else if (const auto* c = std::get_if<ColorValue>(&p.fallback))
+        return fmt::format(" Default {{ {} = [{}, {}, {}] }}.", c->space, c->rgb.x, c->rgb.y, c->rgb.z);
+    else if (const auto* n = std::get_if<std::vector<std::string>>(&p.fallback))
+        return fmt::format(" Default [\"{}\"].", fmt::join(*n, "\", \""));
+    else
+        return p.required ? " Required." : "";
     return " Default " + quoted_value(node) + ".";
 }
 
@@ -129,7 +146,8 @@ std::string schema_text(const std::string& head, const Schema& schema, int inden
         const std::string key = p.type == ParameterType::angle ? fmt::format("{} | {}_deg", p.name, p.name) : p.name;
         out += fmt::format("{}  {:<26} {}{}\n{}  {:<26} {}\n", margin, key, p.doc, default_text(p), margin, "", expected_text(p));
         for (const Schema& item : p.items)
-            out += schema_text(p.discriminator.empty() ? "[[" + p.name + "]]" : fmt::format("[[{}]] {} = \"{}\"", p.name, p.discriminator, item.name), item, indent + 4);
+            out += schema_text(p.discriminator.empty() ? "[[" + p.name + "]]" : fmt::format("[[{}]] {} = \"{}\"", p.name, p.discriminator, item.name),
+                               item, indent + 4);
     }
     return out;
 }
@@ -203,7 +221,8 @@ int run_schema(const std::string& wanted)
 
 int run_version()
 {
-    std::string text = fmt::format("hoodoo {}\nprocessor: {}\nbuilt for: {}, uses {}\n", version(), processor_name(), baseline_name(), isa_name(selected_isa()));
+    std::string text =
+        fmt::format("hoodoo {}\nprocessor: {}\nbuilt for: {}, uses {}\n", version(), processor_name(), baseline_name(), isa_name(selected_isa()));
     for (const auto& [name, number] : library_versions()) text += fmt::format("{} {}\n", name, number);
     print(text);
     return 0;
@@ -216,7 +235,8 @@ int run_import_dem(const ImportArguments& arguments)
     write_height_image(arguments.output, heights);
     const auto [low, high] = std::minmax_element(heights.values.begin(), heights.values.end());
     if (!arguments.quiet)
-        fmt::print(stderr, "wrote {}: {} x {} heights of {:.6g} m, from {:.6g} to {:.6g} m\n", arguments.output, heights.width, heights.height, heights.cell, *low, *high);
+        fmt::print(stderr, "wrote {}: {} x {} heights of {:.6g} m, from {:.6g} to {:.6g} m\n", arguments.output, heights.width, heights.height,
+                   heights.cell, *low, *high);
     return 0;
 }
 

@@ -1,11 +1,12 @@
 // A processor that is too old gets a sentence instead of an illegal instruction.
-// The check stands in the executable's .preinit_array: the loader runs that before the constructors of any library, and the libraries are compiled for
-// the baseline. This file alone is compiled for x86-64, and calls nothing but the kernel's write and exit.
-// Missing: a library that chooses code by itself while it is being linked (none of ours does).
+// The check stands in the executable's .preinit_array: the loader runs that before the constructors of any library, and the libraries are compiled
+// for the baseline. This file alone is compiled for x86-64, and calls nothing but the kernel's write and exit. Missing: a library that chooses code
+// by itself while it is being linked (none of ours does).
 #include <string_view>
 #include <unistd.h>
 
-namespace {
+namespace
+{
 
 constexpr std::string_view baseline = HOODOO_BASELINE;
 
@@ -13,7 +14,8 @@ bool fast_enough()
 {
     if (baseline != "x86-64-v3" && baseline != "x86-64-v4") return true;
     __builtin_cpu_init();
-    const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+    const bool v3 =
+        __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
     if (baseline == "x86-64-v3") return v3;
     return v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
 }

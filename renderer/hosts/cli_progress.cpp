@@ -8,8 +8,10 @@
 #include <cstdio>
 #include <unistd.h>
 
-namespace hoodoo::cli {
-namespace {
+namespace hoodoo::cli
+{
+namespace
+{
 
 std::string clock_text(double seconds)
 {
@@ -21,7 +23,10 @@ std::string clock_text(double seconds)
 
 Progress::Progress(bool quiet) : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
 
-Progress::~Progress() { finish(); }
+Progress::~Progress()
+{
+    finish();
+}
 
 void Progress::update(double fraction, const std::string& what)
 {
@@ -32,13 +37,13 @@ void Progress::update(double fraction, const std::string& what)
         if (drawn_) std::fputc('\n', stderr);
         drawn_ = false;
         what_ = what;
-        shown_ = terminal_ ? -1 : 0;   // no line for nothing done
+        shown_ = terminal_ ? -1 : 0;  // no line for nothing done
         start_ = now;
         last_ = {};
     }
     fraction = std::clamp(fraction, 0.0, 1.0);
     const int step = static_cast<int>(fraction * (terminal_ ? 100 : 10));
-    const bool late = terminal_ && drawn_ && now - last_ >= std::chrono::seconds(1);   // the clock goes on
+    const bool late = terminal_ && drawn_ && now - last_ >= std::chrono::seconds(1);  // the clock goes on
     if (step <= shown_ && !late) return;
     if (terminal_ && fraction < 1.0 && now - last_ < std::chrono::milliseconds(100)) return;
     shown_ = std::max(step, shown_);
@@ -70,9 +75,11 @@ void Progress::finish()
     drawn_ = false;
 }
 
-// -- Signals. A handler may touch nothing but lock-free atomics: these are the process's, as signals are. --------------------------------------------
+// -- Signals. A handler may touch nothing but lock-free atomics: these are the process's, as signals are.
+// --------------------------------------------
 
-namespace {
+namespace
+{
 
 std::atomic<bool> cancelled{false};
 std::atomic<bool> rendering{false};
@@ -90,16 +97,18 @@ extern "C" void on_signal(int number)
 
 void catch_signals()
 {
-    struct sigaction action {};
+    struct sigaction action {
+    };
     action.sa_handler = on_signal;
     action.sa_flags = SA_RESTART;
     sigemptyset(&action.sa_mask);
     for (const int number : {SIGINT, SIGTERM}) {
-        struct sigaction before {};
+        struct sigaction before {
+        };
         ::sigaction(number, nullptr, &before);
-        if (before.sa_handler != SIG_IGN) ::sigaction(number, &action, nullptr);   // a shell's background job ignores SIGINT: so do we
+        if (before.sa_handler != SIG_IGN) ::sigaction(number, &action, nullptr);  // a shell's background job ignores SIGINT: so do we
     }
-    std::signal(SIGPIPE, SIG_IGN);   // a closed pipe is an error of writing, not a death
+    std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error of writing, not a death
 }
 
 const std::atomic<bool>* guard_render()

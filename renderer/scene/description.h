@@ -9,32 +9,33 @@
 #include <utility>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Applied while reading: `-D key=value` fills [params], `--set path.to.key=value` replaces a value (or gives one that the file leaves out).
 /// Values are TOML; what is no TOML value is a text. `frame` and `t` may be given as params and are 0 otherwise.
 struct SceneOverrides {
     std::vector<std::pair<std::string, std::string>> params, sets;
     std::optional<std::uint64_t> seed;
-    std::vector<std::string> allowed_roots;   ///< folders that files may be read from, beside the scene's own folder and what lies below it
+    std::vector<std::string> allowed_roots;  ///< folders that files may be read from, beside the scene's own folder and what lies below it
 };
 
 /// A named table [KIND.NAME] with a `type`.
 struct DescribedNode {
     std::string name;
-    std::string type;       ///< catalogue row of a terrain, kind of a light; "" where a section has no types
+    std::string type;  ///< catalogue row of a terrain, kind of a light; "" where a section has no types
     Values values;
-    std::uint64_t seed = 0; ///< hashed from the scene's seed and the name, or the node's own `seed`
+    std::uint64_t seed = 0;  ///< hashed from the scene's seed and the name, or the node's own `seed`
     Source where;
 };
 
 struct Description {
-    std::string file;       ///< as given; "<text>" for a text
-    std::uint64_t hash = 0; ///< of everything the file and its includes said, after parameters: names the scene in an EXR
-    std::uint64_t seed = 0; ///< scene seed from `seed`, `--seed`
+    std::string file;        ///< as given; "<text>" for a text
+    std::uint64_t hash = 0;  ///< of everything the file and its includes said, after parameters: names the scene in an EXR
+    std::uint64_t seed = 0;  ///< scene seed from `seed`, `--seed`
     Values camera, film, render;
     std::vector<DescribedNode> terrains, materials, lights;
-    std::function<std::string(const std::string& path, const Source& where)> resolve;   ///< confines files to the declared roots
+    std::function<std::string(const std::string& path, const Source& where)> resolve;  ///< confines files to the declared roots
 };
 
 }  // namespace hoodoo

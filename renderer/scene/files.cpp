@@ -1,6 +1,6 @@
-// Which files a scene may read. A scene comes from strangers, like a document: it must not read /proc, hang on a pipe, or follow a link out of its folder.
-// The real path is compared with the real roots, component by component, before anything is opened; what is outside is refused whether it exists or not.
-// Missing: a link that is swapped between this check and the opening (that needs openat2 in every library that opens files).
+// Which files a scene may read. A scene comes from strangers, like a document: it must not read /proc, hang on a pipe, or follow a link out of its
+// folder. The real path is compared with the real roots, component by component, before anything is opened; what is outside is refused whether it
+// exists or not. Missing: a link that is swapped between this check and the opening (that needs openat2 in every library that opens files).
 #include "renderer/scene/files.h"
 
 #include <fmt/format.h>
@@ -12,9 +12,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace hoodoo {
+namespace hoodoo
+{
 namespace fs = std::filesystem;
-namespace {
+namespace
+{
 
 [[noreturn]] void fail(ErrorKind kind, const Source& where, std::string what, std::string expected = {})
 {
@@ -48,15 +50,21 @@ SceneFiles::SceneFiles(const std::vector<std::string>& allowed_roots) : start_(f
     }
 }
 
-void SceneFiles::set_folder(const std::string& file, const fs::path& folder) { folders_[file] = folder; }
+void SceneFiles::set_folder(const std::string& file, const fs::path& folder)
+{
+    folders_[file] = folder;
+}
 
-void SceneFiles::allow(const fs::path& root) { roots_.push_back(root); }
+void SceneFiles::allow(const fs::path& root)
+{
+    roots_.push_back(root);
+}
 
 std::string SceneFiles::resolve(const std::string& path, const Source& where) const
 {
     if (path.empty() || path.find('\0') != std::string::npos) fail(ErrorKind::scene, where, "this is no path", "the name of a file");
     const auto folder = folders_.find(where.file);
-    const fs::path asked = (folder != folders_.end() ? folder->second : start_) / path;   // an absolute path replaces the folder
+    const fs::path asked = (folder != folders_.end() ? folder->second : start_) / path;  // an absolute path replaces the folder
     std::error_code error;
     const fs::path real = fs::weakly_canonical(asked, error);
     if (error) fail(ErrorKind::file, where, fmt::format("cannot open \"{}\": {}", path, error.message()));
@@ -73,10 +81,13 @@ std::string read_regular_file(const std::string& path, std::size_t limit, const 
 {
     // Without O_NONBLOCK the opening of a pipe would wait for a writer.
     const Descriptor file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)};
-    struct stat status {};
-    if (file.fd < 0 || ::fstat(file.fd, &status) != 0) fail(ErrorKind::file, where, fmt::format("cannot open \"{}\": {}", path, std::strerror(errno)));
+    struct stat status {
+    };
+    if (file.fd < 0 || ::fstat(file.fd, &status) != 0)
+        fail(ErrorKind::file, where, fmt::format("cannot open \"{}\": {}", path, std::strerror(errno)));
     if (!S_ISREG(status.st_mode)) fail(ErrorKind::file, where, fmt::format("\"{}\" is not a regular file", path));
-    if (static_cast<std::uintmax_t>(status.st_size) > limit) fail(ErrorKind::scene, where, fmt::format("\"{}\" is too long", path), "at most 64 MB with its includes");
+    if (static_cast<std::uintmax_t>(status.st_size) > limit)
+        fail(ErrorKind::scene, where, fmt::format("\"{}\" is too long", path), "at most 64 MB with its includes");
     std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
     std::size_t got = 0;
     while (got < bytes.size()) {

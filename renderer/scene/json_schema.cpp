@@ -8,17 +8,25 @@
 
 #include <nlohmann/json.hpp>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 using Json = nlohmann::ordered_json;
 
 constexpr double kPi = 3.14159265358979323846;
 const char* const number_pattern = "^-?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][+-]?[0-9]+)? *";
 
-Json reference(const char* name) { return {{"$ref", std::string("#/definitions/") + name}}; }
+Json reference(const char* name)
+{
+    return {{"$ref", std::string("#/definitions/") + name}};
+}
 
-Json text_matching(const std::string& pattern) { return {{"type", "string"}, {"pattern", pattern}}; }
+Json text_matching(const std::string& pattern)
+{
+    return {{"type", "string"}, {"pattern", pattern}};
+}
 
 Json bounded(Json schema, const Parameter& p, double scale = 1.0)
 {
@@ -42,14 +50,20 @@ Json any_of(std::vector<Json> options)
     return {{"anyOf", std::move(list)}};
 }
 
-Json bare_number(const Parameter& p) { return bounded({{"type", "number"}}, p); }
+Json bare_number(const Parameter& p)
+{
+    return bounded({{"type", "number"}}, p);
+}
 
 Json quantity(const Parameter& p, const char* units)
 {
     return any_of({bare_number(p), text_matching(std::string(number_pattern) + units + "$"), reference("expression"), reference("parameter")});
 }
 
-Json number(const Parameter& p) { return any_of({bare_number(p), reference("expression"), reference("parameter")}); }
+Json number(const Parameter& p)
+{
+    return any_of({bare_number(p), reference("expression"), reference("parameter")});
+}
 
 Json choice(const std::vector<std::string>& choices)
 {
@@ -61,7 +75,10 @@ const char* const length_units = "(m|km|cm|mm|um|nm)";
 Json color(const Parameter& p)
 {
     const Json rgb = any_of({counted(number(p), 3, 3), reference("parameter")});
-    const Json table{{"type", "object"}, {"minProperties", 1}, {"maxProperties", 1}, {"additionalProperties", false},
+    const Json table{{"type", "object"},
+                     {"minProperties", 1},
+                     {"maxProperties", 1},
+                     {"additionalProperties", false},
                      {"properties", {{"srgb", rgb}, {"lin_rec709", rgb}, {"acescg", rgb}, {"grey", number(p)}}}};
     return any_of({text_matching("^#[0-9a-fA-F]{6}$"), table, reference("parameter")});
 }
@@ -82,22 +99,35 @@ Json tables(const Parameter& p)
 Json value_schema(const Parameter& p)
 {
     switch (p.type) {
-    case ParameterType::boolean: return any_of({{{"type", "boolean"}}, reference("parameter")});
-    case ParameterType::integer: return any_of({bounded({{"type", "integer"}}, p), reference("expression"), reference("parameter")});
-    case ParameterType::number: return number(p);
-    case ParameterType::length: return quantity(p, length_units);
-    case ParameterType::duration: return quantity(p, "(s|ms|min|h)");
-    case ParameterType::angle: return any_of({text_matching(std::string(number_pattern) + "(deg|rad)$"), reference("parameter")});
-    case ParameterType::text: return {{"type", "string"}};
-    case ParameterType::path: return {{"type", "string"}, {"minLength", 1}};
-    case ParameterType::choice: return choice(p.choices);
-    case ParameterType::vector:
-        return any_of({counted(p.unit == "m" ? quantity(p, length_units) : number(p), p.min_count, p.max_count), reference("parameter")});
-    case ParameterType::points:
-        return any_of({counted(any_of({counted(quantity(p, length_units), 3, 3), reference("parameter")}), p.min_count, p.max_count), reference("parameter")});
-    case ParameterType::color: return color(p);
-    case ParameterType::names: return any_of({counted(choice(p.choices), p.min_count, p.max_count), reference("parameter")});
-    case ParameterType::tables: return tables(p);
+        case ParameterType::boolean:
+            return any_of({{{"type", "boolean"}}, reference("parameter")});
+        case ParameterType::integer:
+            return any_of({bounded({{"type", "integer"}}, p), reference("expression"), reference("parameter")});
+        case ParameterType::number:
+            return number(p);
+        case ParameterType::length:
+            return quantity(p, length_units);
+        case ParameterType::duration:
+            return quantity(p, "(s|ms|min|h)");
+        case ParameterType::angle:
+            return any_of({text_matching(std::string(number_pattern) + "(deg|rad)$"), reference("parameter")});
+        case ParameterType::text:
+            return {{"type", "string"}};
+        case ParameterType::path:
+            return {{"type", "string"}, {"minLength", 1}};
+        case ParameterType::choice:
+            return choice(p.choices);
+        case ParameterType::vector:
+            return any_of({counted(p.unit == "m" ? quantity(p, length_units) : number(p), p.min_count, p.max_count), reference("parameter")});
+        case ParameterType::points:
+            return any_of({counted(any_of({counted(quantity(p, length_units), 3, 3), reference("parameter")}), p.min_count, p.max_count),
+                           reference("parameter")});
+        case ParameterType::color:
+            return color(p);
+        case ParameterType::names:
+            return any_of({counted(choice(p.choices), p.min_count, p.max_count), reference("parameter")});
+        case ParameterType::tables:
+            return tables(p);
     }
     return Json::object();
 }
@@ -107,8 +137,10 @@ void add_default(Json& schema, const Default& fallback)
     std::visit(
         [&](const auto& value) {
             using T = std::decay_t<decltype(value)>;
-            if constexpr (std::is_same_v<T, ColorValue>) schema["default"] = {{value.space, {value.rgb.x, value.rgb.y, value.rgb.z}}};
-            else if constexpr (!std::is_same_v<T, std::monostate>) schema["default"] = value;
+            if constexpr (std::is_same_v<T, ColorValue>)
+                schema["default"] = {{value.space, {value.rgb.x, value.rgb.y, value.rgb.z}}};
+            else if constexpr (!std::is_same_v<T, std::monostate>)
+                schema["default"] = value;
         },
         fallback);
 }
@@ -117,7 +149,7 @@ void add_default(Json& schema, const Default& fallback)
 Json object_of(const Schema& schema, Json properties)
 {
     Json required = Json::array();
-    Json either = Json::array();   // an angle may be given under either of two keys
+    Json either = Json::array();  // an angle may be given under either of two keys
     for (const auto& [key, value] : properties.items())
         if (value.contains("const")) required.push_back(key);
     for (const Parameter& p : schema.parameters) {
@@ -162,9 +194,13 @@ std::string scene_json_schema()
 {
     Json properties{
         {"version", {{"const", 1}, {"description", "Version of the scene format."}}},
-        {"seed", {{"type", "integer"}, {"minimum", 0}, {"default", 0}, {"description", "Every random number of the scene follows from it and a name."}}},
+        {"seed",
+         {{"type", "integer"}, {"minimum", 0}, {"default", 0}, {"description", "Every random number of the scene follows from it and a name."}}},
         {"include", {{"type", "array"}, {"items", {{"type", "string"}}}, {"description", "Scenes to start from; this file wins over them."}}},
-        {"params", {{"type", "object"}, {"propertyNames", {{"pattern", "^[A-Za-z_][A-Za-z0-9_]{0,63}$"}}}, {"description", "Defaults that -D name=value replaces."}}},
+        {"params",
+         {{"type", "object"},
+          {"propertyNames", {{"pattern", "^[A-Za-z_][A-Za-z0-9_]{0,63}$"}}},
+          {"description", "Defaults that -D name=value replaces."}}},
     };
     for (const Section& section : scene_sections()) properties[section.name] = section_schema(section);
     const Json schema{

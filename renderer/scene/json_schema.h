@@ -3,9 +3,11 @@
 
 #include <string>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-/// Draft-07, indented. A scene refers to it in its first line: `#:schema PATH`. Accepts what read_scene accepts of one file, apart from sizes of products.
+/// Draft-07, indented. A scene refers to it in its first line: `#:schema PATH`. Accepts what read_scene accepts of one file, apart from sizes of
+/// products.
 std::string scene_json_schema();
 
 }  // namespace hoodoo

@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <unordered_map>
 
-namespace hoodoo {
+namespace hoodoo
+{
 namespace fs = std::filesystem;
-namespace {
+namespace
+{
 
 constexpr std::size_t max_include_depth = 16;
 constexpr std::size_t nodes_a_file = 100;
@@ -25,11 +27,13 @@ void merge(Node& base, Node over)
     }
     base.where = over.where;
     base.key_where = over.key_where;
-    std::unordered_map<std::string, std::size_t> index;   // a scan for each key would be quadratic in a hostile file
+    std::unordered_map<std::string, std::size_t> index;  // a scan for each key would be quadratic in a hostile file
     for (std::size_t i = 0; i < below->size(); ++i) index.emplace((*below)[i].first, i);
     for (auto& [key, node] : *above) {
-        if (const auto same = index.find(key); same != index.end()) merge((*below)[same->second].second, std::move(node));
-        else below->emplace_back(key, std::move(node));
+        if (const auto same = index.find(key); same != index.end())
+            merge((*below)[same->second].second, std::move(node));
+        else
+            below->emplace_back(key, std::move(node));
     }
 }
 
@@ -75,8 +79,10 @@ void SceneLoader::include(Node& root, const std::string& file)
     }
     Node base;
     for (const Node& path : *paths)
-        if (const auto* text = std::get_if<std::string>(&path.value)) merge(base, included(*text, path.where, file));
-        else problems_.push_back({path.where, "include has the wrong type", "a list of paths", {}, {}});
+        if (const auto* text = std::get_if<std::string>(&path.value))
+            merge(base, included(*text, path.where, file));
+        else
+            problems_.push_back({path.where, "include has the wrong type", "a list of paths", {}, {}});
     merge(base, std::move(root));
     root = std::move(base);
 }
@@ -88,7 +94,8 @@ Node SceneLoader::included(const std::string& path, const Source& where, const s
         if (std::find(open_.begin(), open_.end(), real) != open_.end())
             throw Error(ErrorKind::scene, Problem{where, fmt::format("\"{}\" includes itself", path), {}, {}, {}});
         if (open_.size() >= max_include_depth || !budget_.take(0, nodes_a_file))
-            throw Error(ErrorKind::scene, Problem{where, "too many includes", fmt::format("at most {} deep and about 1000 in all", max_include_depth), {}, {}});
+            throw Error(ErrorKind::scene,
+                        Problem{where, "too many includes", fmt::format("at most {} deep and about 1000 in all", max_include_depth), {}, {}});
         const std::string text = read_regular_file(real, budget_.bytes, where);
 
         // Errors name the file as a reader of the scene would: relative to where the scene was named.

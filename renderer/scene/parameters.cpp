@@ -1,6 +1,6 @@
-// [params] and what refers to them. A parameter may use those above it, so that there is no cycle to find. Insertions count against the scene's budget:
-// a list of lists of lists that doubles each time is refused long before it fills the memory.
-// An integral result of an expression is an integer, so that "= 2 * n" may be a count. Missing: insertion into the middle of a text.
+// [params] and what refers to them. A parameter may use those above it, so that there is no cycle to find. Insertions count against the scene's
+// budget: a list of lists of lists that doubles each time is refused long before it fills the memory. An integral result of an expression is an
+// integer, so that "= 2 * n" may be a count. Missing: insertion into the middle of a text.
 #include "renderer/scene/parameters.h"
 
 #include "terrain/schema_values.h"
@@ -11,8 +11,10 @@
 #include <charconv>
 #include <cmath>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 Node* child(Node& node, const std::string& key)
 {
@@ -35,7 +37,10 @@ std::vector<std::string> keys(const Node& node)
     return out;
 }
 
-bool is_section(const std::string& key) { return key == "camera" || key == "film" || key == "render" || key == "params"; }
+bool is_section(const std::string& key)
+{
+    return key == "camera" || key == "film" || key == "render" || key == "params";
+}
 
 void set_one(Node& root, const std::string& path, const std::string& value, std::vector<Problem>& problems)
 {
@@ -49,7 +54,8 @@ void set_one(Node& root, const std::string& path, const std::string& value, std:
         auto* table = std::get_if<Node::Table>(&node->value);
         if (!next && node == &root && table && is_section(key)) next = &table->emplace_back(key, Node{}).second;
         if (!next) {
-            problems.push_back({{"--set", 1, column(begin), argument}, fmt::format("the scene has no \"{}\" here", key), {}, {}, nearest_name(key, keys(*node))});
+            problems.push_back(
+                {{"--set", 1, column(begin), argument}, fmt::format("the scene has no \"{}\" here", key), {}, {}, nearest_name(key, keys(*node))});
             return;
         }
         node = next;
@@ -59,9 +65,12 @@ void set_one(Node& root, const std::string& path, const std::string& value, std:
     Node parsed = parse_toml_value(value, {"--set", 1, column(path.size() + 1), argument});
     parsed.key_where.column = column(begin);
     auto* table = std::get_if<Node::Table>(&node->value);
-    if (Node* old = child(*node, key)) *old = std::move(parsed);
-    else if (table && !key.empty()) table->emplace_back(key, std::move(parsed));
-    else problems.push_back({{"--set", 1, column(begin), argument}, "there is nothing to set here", "path.to.key=value", {}, {}});
+    if (Node* old = child(*node, key))
+        *old = std::move(parsed);
+    else if (table && !key.empty())
+        table->emplace_back(key, std::move(parsed));
+    else
+        problems.push_back({{"--set", 1, column(begin), argument}, "there is nothing to set here", "path.to.key=value", {}, {}});
 }
 
 Node number_node(double value, const Node& like)
@@ -69,8 +78,10 @@ Node number_node(double value, const Node& like)
     Node out;
     out.where = like.where;
     out.key_where = like.key_where;
-    if (std::trunc(value) == value && std::abs(value) <= 0x1p53) out.value = static_cast<std::int64_t>(value);
-    else out.value = value;
+    if (std::trunc(value) == value && std::abs(value) <= 0x1p53)
+        out.value = static_cast<std::int64_t>(value);
+    else
+        out.value = value;
     return out;
 }
 
@@ -123,8 +134,11 @@ void SceneParameters::apply(Node& root, const SceneOverrides& overrides)
     for (const auto& [name, value] : overrides.params) {
         const std::string argument = name + "=" + value;
         Node given = parse_toml_value(value, {"-D", 1, static_cast<int>(name.size()) + 2, argument});
-        if (Node* old = child(params, name)) *old = std::move(given);
-        else problems_.push_back({{"-D", 1, 1, argument}, fmt::format("the scene has no parameter \"{}\"", name), {}, {}, nearest_name(name, keys(params))});
+        if (Node* old = child(params, name))
+            *old = std::move(given);
+        else
+            problems_.push_back(
+                {{"-D", 1, 1, argument}, fmt::format("the scene has no parameter \"{}\"", name), {}, {}, nearest_name(name, keys(params))});
     }
     for (auto& [name, node] : *entries) define(name, std::move(node));
     substitute(root, 0);
@@ -133,7 +147,8 @@ void SceneParameters::apply(Node& root, const SceneOverrides& overrides)
 void SceneParameters::define(const std::string& name, Node node)
 {
     if (!Expressions::valid_name(name)) {
-        problems_.push_back({node.key_where, fmt::format("\"{}\" cannot be the name of a parameter", name), "letters, digits and _, no function's name", {}, {}});
+        problems_.push_back(
+            {node.key_where, fmt::format("\"{}\" cannot be the name of a parameter", name), "letters, digits and _, no function's name", {}, {}});
         return;
     }
     substitute(node, 1);
@@ -157,7 +172,8 @@ void SceneParameters::substitute(Node& node, int depth)
         for (Node& item : *items) substitute(item, depth + 1);
     else if (auto* table = std::get_if<Node::Table>(&node.value))
         for (auto& entry : *table) substitute(entry.second, depth + 1);
-    else if (const auto* text = std::get_if<std::string>(&node.value)) substitute_text(node, std::string(*text), depth);
+    else if (const auto* text = std::get_if<std::string>(&node.value))
+        substitute_text(node, std::string(*text), depth);
 }
 
 void SceneParameters::compute(Node& node, const std::string& expression)
@@ -169,14 +185,17 @@ void SceneParameters::compute(Node& node, const std::string& expression)
     }
     node.broken = true;
     const auto named = values_.find(result.token);
-    if (named != values_.end() && named->second.broken) return;   // that parameter has its own Problem
+    if (named != values_.end() && named->second.broken) return;  // that parameter has its own Problem
 
     // The caret stands where the expression is wrong: behind the "=" and, in a file, the opening quote.
     Source where = node.where;
     where.column += static_cast<int>(result.position) + (where.file == "-D" || where.file == "--set" ? 1 : 2);
     const bool no_number = named != values_.end();
-    problems_.push_back({where, no_number ? "a parameter in an expression is no number" : result.problem, {},
-                         result.token.empty() ? std::string() : "\"" + result.token + "\"", no_number ? std::string() : nearest(result.token)});
+    problems_.push_back({where,
+                         no_number ? "a parameter in an expression is no number" : result.problem,
+                         {},
+                         result.token.empty() ? std::string() : "\"" + result.token + "\"",
+                         no_number ? std::string() : nearest(result.token)});
 }
 
 void SceneParameters::substitute_text(Node& node, const std::string& text, int depth)
@@ -186,7 +205,7 @@ void SceneParameters::substitute_text(Node& node, const std::string& text, int d
     // "${name}": the parameter itself, whatever its type. It keeps its own position: a path in it is relative to the file that wrote it.
     const auto open = text.find("${");
     if (open == std::string::npos) return;
-    node.broken = true;   // until it is replaced
+    node.broken = true;  // until it is replaced
     if (open != 0 || text.find('}') != text.size() - 1) {
         problems_.push_back({node.where, "a parameter stands alone in its text", "\"${name}\"", "\"" + text + "\"", {}});
         return;

@@ -9,13 +9,15 @@
 #include <string>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Puts the values of `--set path.to.key=value` into the tree. Sections may be absent, named nodes may not.
 void apply_sets(Node& root, const SceneOverrides& overrides, std::vector<Problem>& problems);
 
 /// Takes [params] (with `-D` applied) out of the tree and replaces whatever refers to them.
-class SceneParameters {
+class SceneParameters
+{
 public:
     SceneParameters(SceneBudget& budget, std::vector<Problem>& problems) : budget_(budget), problems_(problems) {}
     void apply(Node& root, const SceneOverrides& overrides);

@@ -16,8 +16,10 @@
 #include <cstring>
 #include <tuple>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 // -- The hash -----------------------------------------------------------------------------------------------------------
 
@@ -29,13 +31,18 @@ void serialise(const Node& node, std::string& out)
         std::memcpy(&u, &x, sizeof u);
         out += fmt::format("n{:016x}", u);
     };
-    if (const auto* b = std::get_if<bool>(&node.value)) out += *b ? "b1" : "b0";
+    if (const auto* b = std::get_if<bool>(&node.value))
+        out += *b ? "b1" : "b0";
     else if (const auto* i = std::get_if<std::int64_t>(&node.value)) {
         const bool exact = *i >= -(1ll << 53) && *i <= (1ll << 53);
-        if (exact) bits(static_cast<double>(*i));
-        else out += fmt::format("i{}", *i);
-    } else if (const auto* x = std::get_if<double>(&node.value)) bits(*x == 0.0 ? 0.0 : *x);
-    else if (const auto* s = std::get_if<std::string>(&node.value)) out += fmt::format("s{}:{}", s->size(), *s);
+        if (exact)
+            bits(static_cast<double>(*i));
+        else
+            out += fmt::format("i{}", *i);
+    } else if (const auto* x = std::get_if<double>(&node.value))
+        bits(*x == 0.0 ? 0.0 : *x);
+    else if (const auto* s = std::get_if<std::string>(&node.value))
+        out += fmt::format("s{}:{}", s->size(), *s);
     else if (const auto* items = std::get_if<Node::Array>(&node.value)) {
         out += fmt::format("a{}:", items->size());
         for (const Node& item : *items) serialise(item, out);
@@ -89,7 +96,8 @@ bool plain_name(const std::string& name)
 }
 
 /// Turns the merged tree into a Description, section by section.
-class SceneChecker {
+class SceneChecker
+{
 public:
     SceneChecker(Description& scene, std::vector<Problem>& problems) : scene_(scene), problems_(problems) {}
 
@@ -97,12 +105,18 @@ public:
     {
         for (const Section& section : scene_sections()) {
             const auto node = take(root, section.name);
-            if (section.named) check_named(section, node);
-            else values_of(section.name) = check(*section.schemas.front(), node ? *node : nothing(), problems_);
+            if (section.named)
+                check_named(section, node);
+            else
+                values_of(section.name) = check(*section.schemas.front(), node ? *node : nothing(), problems_);
         }
         const auto* rest = std::get_if<Node::Table>(&root.value);
         for (const auto& [key, node] : *rest)
-            problems_.push_back({node.key_where, fmt::format("unknown key \"{}\" in the scene", key), {}, {}, problems_.size() < 100 ? nearest_name(key, known()) : ""});
+            problems_.push_back({node.key_where,
+                                 fmt::format("unknown key \"{}\" in the scene", key),
+                                 {},
+                                 {},
+                                 problems_.size() < 100 ? nearest_name(key, known()) : ""});
         check_sizes();
     }
 
@@ -133,7 +147,8 @@ private:
         if (!nodes) return;
         const auto* table = std::get_if<Node::Table>(&nodes->value);
         if (!table) {
-            problems_.push_back({nodes->where, section.name + " has the wrong type", fmt::format("named tables [{}.NAME]", section.name), quoted_value(*nodes), {}});
+            problems_.push_back(
+                {nodes->where, section.name + " has the wrong type", fmt::format("named tables [{}.NAME]", section.name), quoted_value(*nodes), {}});
             return;
         }
         for (const auto& [name, node] : *table) check_node(section, name, node);
@@ -142,11 +157,19 @@ private:
     void check_node(const Section& section, const std::string& name, Node node)
     {
         if (!std::holds_alternative<Node::Table>(node.value)) {
-            problems_.push_back({node.where, fmt::format("{}.{} has the wrong type", section.name, name), fmt::format("a table [{}.NAME]", section.name), quoted_value(node), {}});
+            problems_.push_back({node.where,
+                                 fmt::format("{}.{} has the wrong type", section.name, name),
+                                 fmt::format("a table [{}.NAME]", section.name),
+                                 quoted_value(node),
+                                 {}});
             return;
         }
         if (!plain_name(name))
-            problems_.push_back({node.key_where, fmt::format("\"{}\" cannot be the name of a {}", name, section.name), "letters, digits, _ and -, at most 64", {}, {}});
+            problems_.push_back({node.key_where,
+                                 fmt::format("\"{}\" cannot be the name of a {}", name, section.name),
+                                 "letters, digits, _ and -, at most 64",
+                                 {},
+                                 {}});
         DescribedNode described{name, {}, {}, hash_name(scene_.seed, name), node.where};
         const Schema* schema = choose(section, name, node, described.type);
         if (!schema) return;
@@ -154,7 +177,7 @@ private:
         if (!own_seed)
             if (const auto seed = take_seed(node, problems_)) described.seed = *seed;
         Schema titled = *schema;
-        titled.name = section.name + "." + name;   // an error names the table, not its type
+        titled.name = section.name + "." + name;  // an error names the table, not its type
         described.values = check(titled, node, problems_);
         nodes_of(section.name).push_back(std::move(described));
     }
@@ -183,8 +206,11 @@ private:
                 problems_.push_back({film.where("width"), what, {}, {}, {}});
         if (render.has("spp") && render.has("replicates"))
             if (render.integer("replicates") > render.integer("spp"))
-                problems_.push_back({render.where("replicates"), "there are more replicates than samples", fmt::format("at most spp = {}", render.integer("spp")),
-                                     std::to_string(render.integer("replicates")), {}});
+                problems_.push_back({render.where("replicates"),
+                                     "there are more replicates than samples",
+                                     fmt::format("at most spp = {}", render.integer("spp")),
+                                     std::to_string(render.integer("replicates")),
+                                     {}});
     }
 
     Description& scene_;
@@ -197,8 +223,11 @@ void check_version(Node& root, const std::string& file, std::vector<Problem>& pr
     const auto* number = version ? std::get_if<std::int64_t>(&version->value) : nullptr;
     if (number && *number == 1) return;
     const Source where = version ? version->where : Source{file, 1, 1, {}};
-    problems.push_back({where, version ? "this version of the format is unknown" : "the scene lacks the key \"version\"", "version = 1",
-                        version ? quoted_value(*version) : std::string(), {}});
+    problems.push_back({where,
+                        version ? "this version of the format is unknown" : "the scene lacks the key \"version\"",
+                        "version = 1",
+                        version ? quoted_value(*version) : std::string(),
+                        {}});
 }
 
 [[noreturn]] void throw_all(ErrorKind kind, std::vector<Problem> problems)

@@ -5,7 +5,8 @@
 
 #include <string>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Reads a scene from a path, or from the text itself if `is_text` (its relative paths then start at the current folder, the only root it may
 /// read from). Throws Error: `scene` (all problems at once), `file` where a file is absent or unreadable. Opens the scene, its includes and nothing

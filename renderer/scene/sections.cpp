@@ -1,5 +1,6 @@
 // The sections of a scene. Film and render stand here; the others' schemas come from whoever understands them: camera, lights, materials, catalogue.
-// Filter widths (diameters): Blackman-Harris 3.3 pixels and Gaussian 3 (sigma 0.5) keep a pixel's neighbours out without blur; a box is the pixel itself.
+// Filter widths (diameters): Blackman-Harris 3.3 pixels and Gaussian 3 (sigma 0.5) keep a pixel's neighbours out without blur; a box is the pixel
+// itself.
 #include "renderer/scene/sections.h"
 
 #include "renderer/light/light.h"
@@ -9,7 +10,8 @@
 
 #include <fmt/format.h>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 const Schema& film_schema()
 {
@@ -18,14 +20,39 @@ const Schema& film_schema()
         "film",
         "The picture: its size, its pixel filter, and how it is shown.",
         {
-            {.name = "width", .type = T::integer, .doc = "Width of the picture.", .fallback = std::int64_t{1024}, .unit = "pixel", .minimum = 1, .maximum = max_side},
-            {.name = "height", .type = T::integer, .doc = "Height of the picture.", .fallback = std::int64_t{576}, .unit = "pixel", .minimum = 1, .maximum = max_side},
-            {.name = "filter", .type = T::choice, .doc = "Pixel filter, sampled by importance: a sample belongs to one pixel.", .fallback = std::string("blackman-harris"),
+            {.name = "width",
+             .type = T::integer,
+             .doc = "Width of the picture.",
+             .fallback = std::int64_t{1024},
+             .unit = "pixel",
+             .minimum = 1,
+             .maximum = max_side},
+            {.name = "height",
+             .type = T::integer,
+             .doc = "Height of the picture.",
+             .fallback = std::int64_t{576},
+             .unit = "pixel",
+             .minimum = 1,
+             .maximum = max_side},
+            {.name = "filter",
+             .type = T::choice,
+             .doc = "Pixel filter, sampled by importance: a sample belongs to one pixel.",
+             .fallback = std::string("blackman-harris"),
              .choices = {"blackman-harris", "gaussian", "box"}},
-            {.name = "filter_width", .type = T::number, .doc = "Diameter of the filter. Without it: 3.3 for blackman-harris, 3 for gaussian, 1 for box.",
-             .unit = "pixel", .minimum = 0, .maximum = 16, .above_minimum = true},
-            {.name = "exposure", .type = T::number, .doc = "Applied where the picture is shown (PNG), never in an EXR: each stop doubles the light.", .fallback = 0.0,
-             .unit = "stop", .minimum = -64, .maximum = 64},
+            {.name = "filter_width",
+             .type = T::number,
+             .doc = "Diameter of the filter. Without it: 3.3 for blackman-harris, 3 for gaussian, 1 for box.",
+             .unit = "pixel",
+             .minimum = 0,
+             .maximum = 16,
+             .above_minimum = true},
+            {.name = "exposure",
+             .type = T::number,
+             .doc = "Applied where the picture is shown (PNG), never in an EXR: each stop doubles the light.",
+             .fallback = 0.0,
+             .unit = "stop",
+             .minimum = -64,
+             .maximum = 64},
             {.name = "colorconfig", .type = T::path, .doc = "OpenColorIO configuration. Without it: $OCIO, then the one that is built in."},
             {.name = "display", .type = T::text, .doc = "Display of the colour configuration for PNG. Without it: its default."},
             {.name = "view", .type = T::text, .doc = "View of the display. Without it: its default."},
@@ -36,18 +63,34 @@ const Schema& film_schema()
 const Schema& render_schema()
 {
     using T = ParameterType;
-    static const Schema schema{
-        "render",
-        "How much work is done for a picture. Threads are no part of a scene: they never change a picture.",
-        {
-            {.name = "spp", .type = T::integer, .doc = "Samples a pixel.", .fallback = std::int64_t{64}, .minimum = 1, .maximum = static_cast<double>(max_samples)},
-            {.name = "max_depth", .type = T::integer, .doc = "Scattering events of a path; 0 = unlimited (roulette alone ends it).", .fallback = std::int64_t{8},
-             .minimum = 0, .maximum = 1 << 20},
-            {.name = "roulette_depth", .type = T::integer, .doc = "Scattering events before Russian roulette may end a path.", .fallback = std::int64_t{4},
-             .minimum = 0, .maximum = 1 << 20},
-            {.name = "replicates", .type = T::integer, .doc = "Independently scrambled repetitions among the samples: 2 or more give an unbiased variance.",
-             .fallback = std::int64_t{1}, .minimum = 1, .maximum = 4096},
-        }};
+    static const Schema schema{"render",
+                               "How much work is done for a picture. Threads are no part of a scene: they never change a picture.",
+                               {
+                                   {.name = "spp",
+                                    .type = T::integer,
+                                    .doc = "Samples a pixel.",
+                                    .fallback = std::int64_t{64},
+                                    .minimum = 1,
+                                    .maximum = static_cast<double>(max_samples)},
+                                   {.name = "max_depth",
+                                    .type = T::integer,
+                                    .doc = "Scattering events of a path; 0 = unlimited (roulette alone ends it).",
+                                    .fallback = std::int64_t{8},
+                                    .minimum = 0,
+                                    .maximum = 1 << 20},
+                                   {.name = "roulette_depth",
+                                    .type = T::integer,
+                                    .doc = "Scattering events before Russian roulette may end a path.",
+                                    .fallback = std::int64_t{4},
+                                    .minimum = 0,
+                                    .maximum = 1 << 20},
+                                   {.name = "replicates",
+                                    .type = T::integer,
+                                    .doc = "Independently scrambled repetitions among the samples: 2 or more give an unbiased variance.",
+                                    .fallback = std::int64_t{1},
+                                    .minimum = 1,
+                                    .maximum = 4096},
+                               }};
     return schema;
 }
 
@@ -63,8 +106,9 @@ std::vector<Section> scene_sections()
         light.types.push_back(schema.name);
         light.schemas.push_back(&schema);
     }
-    return {{"camera", false, {}, {&camera_schema()}}, {"film", false, {}, {&film_schema()}},         {"render", false, {}, {&render_schema()}},
-            std::move(terrain),                         {"material", true, {}, {&material_schema()}}, std::move(light)};
+    return {{"camera", false, {}, {&camera_schema()}},    {"film", false, {}, {&film_schema()}},
+            {"render", false, {}, {&render_schema()}},    std::move(terrain),
+            {"material", true, {}, {&material_schema()}}, std::move(light)};
 }
 
 std::string too_large(std::int64_t width, std::int64_t height, std::int64_t samples)

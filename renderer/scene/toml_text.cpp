@@ -12,10 +12,12 @@
 #include <optional>
 #include <string_view>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
-constexpr std::size_t kept_line = 160;   // letters of a line that an error can show; 1e5 values then keep at most 32 MB of them
+constexpr std::size_t kept_line = 160;  // letters of a line that an error can show; 1e5 values then keep at most 32 MB of them
 
 std::vector<std::string_view> split_lines(const std::string& text)
 {
@@ -40,7 +42,8 @@ Source place(const std::string& file, const std::vector<std::string_view>& lines
 }
 
 /// Reads raw text as far as limits need it. scan() returns what is wrong, or "", and leaves the position there.
-class LimitScan {
+class LimitScan
+{
 public:
     LimitScan(const std::string& text, std::size_t node_limit) : text_(text), token_limit_(4 * node_limit) {}
 
@@ -48,9 +51,12 @@ public:
     {
         for (at_ = 0; at_ < text_.size(); ++at_) {
             const char c = text_[at_];
-            if (c == '"' || c == '\'') skip_string(c);
-            else if (c == '#') at_ = std::min(text_.find('\n', at_), text_.size()) - 1;
-            else if (const char* problem = structure(c)) return problem;
+            if (c == '"' || c == '\'')
+                skip_string(c);
+            else if (c == '#')
+                at_ = std::min(text_.find('\n', at_), text_.size()) - 1;
+            else if (const char* problem = structure(c))
+                return problem;
         }
         return {};
     }
@@ -76,9 +82,12 @@ private:
         const bool block = text_.compare(at_, 3, three) == 0;
         at_ += block ? 3 : 1;
         for (; at_ < text_.size(); ++at_) {
-            if (text_[at_] == '\\' && quote == '"') ++at_;
-            else if (block ? text_.compare(at_, 3, three) == 0 : text_[at_] == quote) break;
-            else if (!block && text_[at_] == '\n') return;
+            if (text_[at_] == '\\' && quote == '"')
+                ++at_;
+            else if (block ? text_.compare(at_, 3, three) == 0 : text_[at_] == quote)
+                break;
+            else if (!block && text_[at_] == '\n')
+                return;
         }
         if (block) at_ += 2;
     }
@@ -90,7 +99,8 @@ private:
 };
 
 /// toml++'s tree -> ours, in the order of the file.
-class Converter {
+class Converter
+{
 public:
     Converter(const std::string& file, const std::vector<std::string_view>& lines, SceneBudget& budget, std::vector<Problem>& problems)
         : file_(file), lines_(lines), budget_(budget), problems_(problems)
@@ -102,14 +112,18 @@ public:
         Node out;
         out.where = at(node.source().begin);
         out.key_where = out.where;
-        if (depth > max_nesting) complain_once(out.where, "lists and tables are nested too deeply", fmt::format("at most {} levels", max_nesting));
-        else if (!budget_.take(0, 1)) complain_once(out.where, "the scene has too many values", "at most 100000");
-        else if (const auto* table = node.as_table()) out.value = convert_table(*table, depth);
+        if (depth > max_nesting)
+            complain_once(out.where, "lists and tables are nested too deeply", fmt::format("at most {} levels", max_nesting));
+        else if (!budget_.take(0, 1))
+            complain_once(out.where, "the scene has too many values", "at most 100000");
+        else if (const auto* table = node.as_table())
+            out.value = convert_table(*table, depth);
         else if (const auto* array = node.as_array()) {
             Node::Array items;
             for (const toml::node& item : *array) items.push_back(convert(item, depth + 1));
             out.value = std::move(items);
-        } else convert_scalar(node, out);
+        } else
+            convert_scalar(node, out);
         return out;
     }
 
@@ -144,13 +158,19 @@ private:
 
     void convert_scalar(const toml::node& node, Node& out)
     {
-        if (const auto* b = node.as_boolean()) out.value = b->get();
-        else if (const auto* i = node.as_integer()) out.value = i->get();
-        else if (const auto* s = node.as_string()) out.value = s->get();
+        if (const auto* b = node.as_boolean())
+            out.value = b->get();
+        else if (const auto* i = node.as_integer())
+            out.value = i->get();
+        else if (const auto* s = node.as_string())
+            out.value = s->get();
         else if (const auto* x = node.as_floating_point()) {
-            if (std::isfinite(x->get())) out.value = x->get();
-            else complain(out.where, "a number is not finite", "a finite number", fmt::format("{}", x->get()));
-        } else complain(out.where, "dates and times have no meaning in a scene", "a number, a text, a list or a table", {});
+            if (std::isfinite(x->get()))
+                out.value = x->get();
+            else
+                complain(out.where, "a number is not finite", "a finite number", fmt::format("{}", x->get()));
+        } else
+            complain(out.where, "dates and times have no meaning in a scene", "a number, a text, a list or a table", {});
     }
 
     const std::string& file_;
@@ -165,7 +185,8 @@ Source place_of_offset(const std::string& text, std::size_t offset, const std::s
     const auto line = static_cast<std::size_t>(std::count(begin, end, '\n'));
     const std::size_t line_start = line ? text.rfind('\n', offset - 1) + 1 : 0;
     // Columns count letters, not bytes: continuation bytes of UTF-8 are none.
-    const auto column = std::count_if(begin + static_cast<std::ptrdiff_t>(line_start), end, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; });
+    const auto column =
+        std::count_if(begin + static_cast<std::ptrdiff_t>(line_start), end, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; });
     return place(file, lines, line + 1, static_cast<std::size_t>(column) + 1);
 }
 

@@ -9,10 +9,12 @@ using hoodoo::Problem;
 
 TEST(Error, text_has_the_place_the_expectation_the_nearest_name_and_a_caret)
 {
-    const Problem problem{{"cave.toml", 3, 5, "    filter = \"gausian\""}, "filter has an unknown value", "one of \"box\", \"gaussian\"", "\"gausian\"", "gaussian"};
-    EXPECT_EQ(problem.text(), "cave.toml:3:5: filter has an unknown value, expected one of \"box\", \"gaussian\", got \"gausian\" (did you mean \"gaussian\")\n"
-                              "        filter = \"gausian\"\n"
-                              "        ^");
+    const Problem problem{
+        {"cave.toml", 3, 5, "    filter = \"gausian\""}, "filter has an unknown value", "one of \"box\", \"gaussian\"", "\"gausian\"", "gaussian"};
+    EXPECT_EQ(problem.text(),
+              "cave.toml:3:5: filter has an unknown value, expected one of \"box\", \"gaussian\", got \"gausian\" (did you mean \"gaussian\")\n"
+              "        filter = \"gausian\"\n"
+              "        ^");
 }
 
 TEST(Error, text_of_a_problem_without_a_place_is_its_sentence)
@@ -60,16 +62,16 @@ TEST(Error, shows_a_hundred_problems_and_counts_the_rest)
 TEST(NearestName, finds_one_typing_error_of_each_kind)
 {
     const std::vector<std::string> names{"sigma", "height", "material"};
-    EXPECT_EQ(nearest_name("sgima", names), "sigma");       // two neighbours swapped
-    EXPECT_EQ(nearest_name("heigt", names), "height");      // one left out
-    EXPECT_EQ(nearest_name("materiall", names), "material");   // one too many
-    EXPECT_EQ(nearest_name("sigmo", names), "sigma");       // one replaced
+    EXPECT_EQ(nearest_name("sgima", names), "sigma");         // two neighbours swapped
+    EXPECT_EQ(nearest_name("heigt", names), "height");        // one left out
+    EXPECT_EQ(nearest_name("materiall", names), "material");  // one too many
+    EXPECT_EQ(nearest_name("sigmo", names), "sigma");         // one replaced
 }
 
 TEST(NearestName, is_silent_where_more_than_a_third_of_the_letters_differ)
 {
-    EXPECT_EQ(nearest_name("abcdef", {"abcxyz"}), "");   // 3 of 6
-    EXPECT_EQ(nearest_name("abcdef", {"abcdxy"}), "abcdxy");   // 2 of 6: exactly a third
+    EXPECT_EQ(nearest_name("abcdef", {"abcxyz"}), "");        // 3 of 6
+    EXPECT_EQ(nearest_name("abcdef", {"abcdxy"}), "abcdxy");  // 2 of 6: exactly a third
     EXPECT_EQ(nearest_name("colour", {"spp", "width"}), "");
     EXPECT_EQ(nearest_name("x", {}), "");
 }

@@ -6,7 +6,8 @@
 
 using hoodoo::Expressions;
 
-namespace {
+namespace
+{
 
 double value(const std::string& text)
 {
@@ -31,7 +32,7 @@ TEST(Expression, arithmetic_has_the_usual_precedence)
 {
     EXPECT_EQ(value("1 + 2 * 3"), 7.0);
     EXPECT_EQ(value("(1 + 2) * 3"), 9.0);
-    EXPECT_EQ(value("2 ^ 3 ^ 2"), 512.0);   // right to left: 2^9
+    EXPECT_EQ(value("2 ^ 3 ^ 2"), 512.0);  // right to left: 2^9
     EXPECT_EQ(value("-3 + 1"), -2.0);
     EXPECT_EQ(value("7 - 2 - 1"), 4.0);
     EXPECT_EQ(value("1e3 / 4"), 250.0);
@@ -42,7 +43,7 @@ TEST(Expression, names_and_functions_are_known)
 {
     EXPECT_EQ(value("2 * h + frame"), 17.0);
     EXPECT_EQ(value("sin(pi / 2)"), 1.0);
-    EXPECT_EQ(value("log(exp(1))"), 1.0);   // natural
+    EXPECT_EQ(value("log(exp(1))"), 1.0);  // natural
     EXPECT_EQ(value("clamp(5, 0, 3)"), 3.0);
     EXPECT_EQ(value("mix(10, 20, 0.25)"), 12.5);
     EXPECT_EQ(value("max(1, h)"), 2.5);
@@ -61,12 +62,14 @@ TEST(Expression, an_unknown_name_is_reported_with_its_place)
 
 TEST(Expression, what_has_no_finite_value_is_a_problem)
 {
-    for (const char* text : {"1 / 0", "sqrt(-1)", "log(0)", "10 ^ 400", "0 / 0"}) EXPECT_EQ(failure(text).problem, "the expression's value is not finite") << text;
+    for (const char* text : {"1 / 0", "sqrt(-1)", "log(0)", "10 ^ 400", "0 / 0"})
+        EXPECT_EQ(failure(text).problem, "the expression's value is not finite") << text;
 }
 
 TEST(Expression, nothing_but_one_number_is_an_expression)
 {
-    for (const char* text : {"", " ", "1 +", "(1", "1)", "1, 2", "h = 3", "\"a\"", "sin()", "sin(1, 2)", "system(1)", "1;2", "$", "\xc3\xb6", "rnd()", "_pi", "1 2", "()", "?:", "sum(1)"})
+    for (const char* text : {"",          " ",   "1 +", "(1",       "1)",    "1, 2", "h = 3", "\"a\"", "sin()", "sin(1, 2)",
+                             "system(1)", "1;2", "$",   "\xc3\xb6", "rnd()", "_pi",  "1 2",   "()",    "?:",    "sum(1)"})
         EXPECT_NE(failure(text).problem, "") << text;
 }
 

@@ -11,13 +11,15 @@
 using namespace hoodoo;
 namespace fs = std::filesystem;
 
-namespace {
+namespace
+{
 
 const std::string camera = "[camera]\neye = [0, 0, 2]\ntarget = [0, 10, 2]\n";
 const std::string minimal = "version = 1\n" + camera;
 
 /// A folder of its own for each test, gone afterwards.
-class SceneRead : public ::testing::Test {
+class SceneRead : public ::testing::Test
+{
 protected:
     void SetUp() override
     {
@@ -37,7 +39,10 @@ protected:
     fs::path folder;
 };
 
-Description from_text(const std::string& text, const SceneOverrides& overrides = {}) { return read_scene(text, true, overrides); }
+Description from_text(const std::string& text, const SceneOverrides& overrides = {})
+{
+    return read_scene(text, true, overrides);
+}
 
 /// The error's text and kind, or "no error".
 struct Failure {
@@ -61,7 +66,10 @@ std::string error_of(const std::string& text, const SceneOverrides& overrides = 
     return failure_of([&] { from_text(text, overrides); }).text;
 }
 
-bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool says(const std::string& text, const std::string& part)
+{
+    return text.find(part) != std::string::npos;
+}
 
 }  // namespace
 
@@ -81,7 +89,8 @@ TEST_F(SceneRead, the_smallest_scene_has_all_defaults)
 
 TEST_F(SceneRead, nodes_are_named_typed_and_seeded_from_the_scenes_seed_and_their_name)
 {
-    const Description scene = from_text("version = 1\nseed = 7\n" + camera + "[terrain.floor]\ntype = \"plane\"\n[terrain.wall]\ntype = \"plane\"\nseed = 3\n"
+    const Description scene = from_text("version = 1\nseed = 7\n" + camera +
+                                        "[terrain.floor]\ntype = \"plane\"\n[terrain.wall]\ntype = \"plane\"\nseed = 3\n"
                                         "[material.sand]\n[light.sun]\ntype = \"sun\"\nelevation = \"30 deg\"\n");
     ASSERT_EQ(scene.terrains.size(), 2u);
     EXPECT_EQ(scene.terrains[0].name, "floor");
@@ -89,7 +98,7 @@ TEST_F(SceneRead, nodes_are_named_typed_and_seeded_from_the_scenes_seed_and_thei
     EXPECT_EQ(scene.terrains[0].seed, hash_name(7, "floor"));
     EXPECT_EQ(scene.terrains[1].seed, 3u);
     EXPECT_EQ(scene.materials.at(0).name, "sand");
-    EXPECT_NEAR(scene.lights.at(0).values.number("elevation"), 0.52359877559829887, 1e-15);   // pi / 6
+    EXPECT_NEAR(scene.lights.at(0).values.number("elevation"), 0.52359877559829887, 1e-15);  // pi / 6
     SceneOverrides other;
     other.seed = 8;
     EXPECT_EQ(from_text(minimal + "[terrain.floor]\ntype = \"plane\"\n", other).terrains[0].seed, hash_name(8, "floor"));
@@ -97,10 +106,14 @@ TEST_F(SceneRead, nodes_are_named_typed_and_seeded_from_the_scenes_seed_and_thei
 
 TEST_F(SceneRead, all_problems_are_reported_at_once_in_the_order_of_the_file)
 {
-    const std::string text = error_of("version = 1\ncolour = 3\n" + camera + "hfov = 40\n[film]\nwidht = 3\nheight = 0\n[terrain.a]\ntype = \"plan\"\n[terrain.b]\n");
+    const std::string text =
+        error_of("version = 1\ncolour = 3\n" + camera + "hfov = 40\n[film]\nwidht = 3\nheight = 0\n[terrain.a]\ntype = \"plan\"\n[terrain.b]\n");
     EXPECT_EQ(text.substr(0, text.find('\n')), "<text>:2:1: unknown key \"colour\" in the scene");
-    const std::vector<std::string> parts{"<text>:6:8: hfov is an angle without a unit", "<text>:8:1: unknown key \"widht\" in film (did you mean \"width\")",
-                                         "<text>:9:10: height is out of range", "<text>:11:8: type has an unknown value", "(did you mean \"plane\")",
+    const std::vector<std::string> parts{"<text>:6:8: hfov is an angle without a unit",
+                                         "<text>:8:1: unknown key \"widht\" in film (did you mean \"width\")",
+                                         "<text>:9:10: height is out of range",
+                                         "<text>:11:8: type has an unknown value",
+                                         "(did you mean \"plane\")",
                                          "<text>:12:1: terrain.b lacks the key \"type\""};
     std::size_t at = 0;
     for (const std::string& part : parts) {
@@ -127,8 +140,9 @@ TEST_F(SceneRead, the_version_is_needed_and_known)
 
 TEST_F(SceneRead, parameters_are_inserted_with_their_type_and_computed_with)
 {
-    const std::string text = "version = 1\n[params]\nh = 2.5\nn = \"= 4 * h\"\nsize = [640, 480]\nplace = [1, 2, \"= h\"]\n"
-                             "[camera]\neye = \"${place}\"\ntarget = [0, \"= n\", \"${h}\"]\n[render]\nspp = \"= n * 2\"\n";
+    const std::string text =
+        "version = 1\n[params]\nh = 2.5\nn = \"= 4 * h\"\nsize = [640, 480]\nplace = [1, 2, \"= h\"]\n"
+        "[camera]\neye = \"${place}\"\ntarget = [0, \"= n\", \"${h}\"]\n[render]\nspp = \"= n * 2\"\n";
     const Description scene = from_text(text);
     EXPECT_EQ(scene.camera.vec3("eye"), Vec3d(1, 2, 2.5));
     EXPECT_EQ(scene.camera.vec3("target"), Vec3d(0, 10, 2.5));
@@ -159,21 +173,24 @@ TEST_F(SceneRead, an_unknown_parameter_on_the_command_line_is_an_error)
 
 TEST_F(SceneRead, expressions_and_insertions_that_fail_show_where_and_only_once)
 {
-    const std::string text = error_of("version = 1\n[params]\nheight = 2\n[camera]\neye = [0, 0, \"= 2 * heigth\"]\ntarget = \"${place}\"\nhfov = \"about ${height}\"\n");
-    EXPECT_EQ(text, "<text>:5:21: unknown name in the expression, got \"heigth\" (did you mean \"height\")\n"
-                    "    eye = [0, 0, \"= 2 * heigth\"]\n"
-                    "                        ^\n"
-                    "<text>:6:10: unknown parameter \"place\"\n"
-                    "    target = \"${place}\"\n"
-                    "             ^\n"
-                    "<text>:7:8: a parameter stands alone in its text, expected \"${name}\", got \"about ${height}\"\n"
-                    "    hfov = \"about ${height}\"\n"
-                    "           ^");
+    const std::string text =
+        error_of("version = 1\n[params]\nheight = 2\n[camera]\neye = [0, 0, \"= 2 * heigth\"]\ntarget = \"${place}\"\nhfov = \"about ${height}\"\n");
+    EXPECT_EQ(text,
+              "<text>:5:21: unknown name in the expression, got \"heigth\" (did you mean \"height\")\n"
+              "    eye = [0, 0, \"= 2 * heigth\"]\n"
+              "                        ^\n"
+              "<text>:6:10: unknown parameter \"place\"\n"
+              "    target = \"${place}\"\n"
+              "             ^\n"
+              "<text>:7:8: a parameter stands alone in its text, expected \"${name}\", got \"about ${height}\"\n"
+              "    hfov = \"about ${height}\"\n"
+              "           ^");
 }
 
 TEST_F(SceneRead, a_parameter_that_failed_is_not_reported_where_it_is_used)
 {
-    const std::string text = error_of("version = 1\n[params]\na = \"= 1 +\"\nb = \"= a + 1\"\n[camera]\neye = [\"= b\", \"${a}\", 0]\ntarget = [0, 1, 0]\n");
+    const std::string text =
+        error_of("version = 1\n[params]\na = \"= 1 +\"\nb = \"= a + 1\"\n[camera]\neye = [\"= b\", \"${a}\", 0]\ntarget = [0, 1, 0]\n");
     EXPECT_EQ(text.substr(0, text.find('\n')), "<text>:3:11: the expression ends too early");
     EXPECT_EQ(text.find("<text>", 1), std::string::npos) << text;
 }
@@ -181,7 +198,8 @@ TEST_F(SceneRead, a_parameter_that_failed_is_not_reported_where_it_is_used)
 TEST_F(SceneRead, set_replaces_values_and_gives_new_ones)
 {
     SceneOverrides overrides;
-    overrides.sets = {{"film.width", "320"}, {"camera.eye", "[1, 2, 3]"}, {"camera.target.1", "20"}, {"terrain.floor.material", "sand"}, {"camera.hfov", "40 deg"}};
+    overrides.sets = {
+        {"film.width", "320"}, {"camera.eye", "[1, 2, 3]"}, {"camera.target.1", "20"}, {"terrain.floor.material", "sand"}, {"camera.hfov", "40 deg"}};
     const Description scene = from_text(minimal + "[terrain.floor]\ntype = \"plane\"\n", overrides);
     EXPECT_EQ(scene.film.integer("width"), 320);
     EXPECT_EQ(scene.camera.vec3("eye"), Vec3d(1, 2, 3));
@@ -197,14 +215,17 @@ TEST_F(SceneRead, set_that_misses_says_what_there_is)
     EXPECT_EQ(error_of(minimal + "[terrain.floor]\ntype = \"plane\"\n", overrides),
               "--set:1:6: unknown key \"widht\" in film (did you mean \"width\")\n    film.widht=320\n         ^\n"
               "--set:1:9: the scene has no \"flor\" here (did you mean \"floor\")\n    terrain.flor.material=sand\n            ^\n"
-              "--set:1:13: height has the wrong type, expected an integer between 1 and 65536, got \"1 spp = 3\"\n    film.height=1 spp = 3\n                ^");
+              "--set:1:13: height has the wrong type, expected an integer between 1 and 65536, got \"1 spp = 3\"\n    film.height=1 spp = 3\n        "
+              "        ^");
 }
 
 TEST_F(SceneRead, includes_merge_and_the_including_file_wins)
 {
     write("parts/base.toml", camera + "hfov_deg = 30\n[film]\nwidth = 100\nheight = 50\n[terrain.floor]\ntype = \"plane\"\nmaterial = \"sand\"\n");
     write("parts/late.toml", "[film]\nheight = 60\n");
-    const std::string path = write("main.toml", "version = 1\ninclude = [\"parts/base.toml\", \"parts/late.toml\"]\n[film]\nwidth = 200\n[terrain.floor]\nmaterial = \"rock\"\n");
+    const std::string path =
+        write("main.toml",
+              "version = 1\ninclude = [\"parts/base.toml\", \"parts/late.toml\"]\n[film]\nwidth = 200\n[terrain.floor]\nmaterial = \"rock\"\n");
     const Description scene = read_scene(path, false);
     EXPECT_EQ(scene.film.integer("width"), 200);
     EXPECT_EQ(scene.film.integer("height"), 60);
@@ -233,7 +254,8 @@ TEST_F(SceneRead, an_include_that_includes_itself_is_refused)
 TEST_F(SceneRead, includes_are_at_most_sixteen_deep)
 {
     const auto chain = [&](int files) {
-        for (int i = 1; i < files; ++i) write("f" + std::to_string(i) + ".toml", i + 1 < files ? "include = [\"f" + std::to_string(i + 1) + ".toml\"]\n" : "");
+        for (int i = 1; i < files; ++i)
+            write("f" + std::to_string(i) + ".toml", i + 1 < files ? "include = [\"f" + std::to_string(i + 1) + ".toml\"]\n" : "");
         return write("f0.toml", "include = [\"f1.toml\"]\n" + minimal);
     };
     EXPECT_EQ(failure_of([&] { read_scene(chain(16), false); }).text, "no error");
@@ -253,7 +275,8 @@ TEST_F(SceneRead, includes_that_double_at_each_level_are_refused)
 TEST_F(SceneRead, insertions_that_double_each_time_are_refused)
 {
     std::string text = "version = 1\n[params]\na0 = [1, 1]\n";
-    for (int i = 1; i < 40; ++i) text += "a" + std::to_string(i) + " = [\"${a" + std::to_string(i - 1) + "}\", \"${a" + std::to_string(i - 1) + "}\"]\n";
+    for (int i = 1; i < 40; ++i)
+        text += "a" + std::to_string(i) + " = [\"${a" + std::to_string(i - 1) + "}\", \"${a" + std::to_string(i - 1) + "}\"]\n";
     EXPECT_TRUE(says(error_of(text + camera), "the parameters make the scene too large"));
 }
 
@@ -333,8 +356,9 @@ TEST_F(SceneRead, files_outside_the_roots_are_refused_whether_they_exist_or_not)
     fs::create_directory_symlink(folder, folder / "scene/up");
     const Description scene = read_scene(path, false);
     const Source where{path, 1, 1, {}};
-    for (const std::string& attack : {std::string("../secret.exr"), std::string("../none.exr"), secret, std::string("/etc/passwd"), std::string("/proc/self/environ"),
-                                      std::string("link.exr"), std::string("up/secret.exr"), std::string("/dev/zero"), std::string("./../scene/../secret.exr")}) {
+    for (const std::string& attack :
+         {std::string("../secret.exr"), std::string("../none.exr"), secret, std::string("/etc/passwd"), std::string("/proc/self/environ"),
+          std::string("link.exr"), std::string("up/secret.exr"), std::string("/dev/zero"), std::string("./../scene/../secret.exr")}) {
         const Failure failure = failure_of([&] { scene.resolve(attack, where); });
         EXPECT_EQ(failure.kind, ErrorKind::scene) << attack;
         EXPECT_TRUE(says(failure.text, "lies outside the folders this scene may read")) << attack << ": " << failure.text;

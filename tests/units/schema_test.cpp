@@ -8,7 +8,8 @@
 using namespace hoodoo;
 using T = ParameterType;
 
-namespace {
+namespace
+{
 
 Node value(auto v, int column = 1)
 {
@@ -19,10 +20,19 @@ Node value(auto v, int column = 1)
     return node;
 }
 
-Node text(const char* s) { return value(std::string(s)); }
-Node whole(std::int64_t i) { return value(i); }
+Node text(const char* s)
+{
+    return value(std::string(s));
+}
+Node whole(std::int64_t i)
+{
+    return value(i);
+}
 
-Node table(Node::Table entries) { return value(std::move(entries)); }
+Node table(Node::Table entries)
+{
+    return value(std::move(entries));
+}
 
 Node list(std::initializer_list<double> numbers)
 {
@@ -75,7 +85,8 @@ TEST(Quantity, units_are_converted_to_metres_radians_and_seconds)
 
 TEST(Quantity, what_is_no_number_with_a_unit_of_the_kind_is_nothing)
 {
-    for (const char* bad : {"", "m", "3", "3 ", "3 deg", "3 M", "3 m m", "0x3 m", "nan m", "inf m", "1e999 m", "1e306 km", "3,5 m", " 3 m", "3 m\n", "+3 m"})
+    for (const char* bad :
+         {"", "m", "3", "3 ", "3 deg", "3 M", "3 m m", "0x3 m", "nan m", "inf m", "1e999 m", "1e306 km", "3,5 m", " 3 m", "3 m\n", "+3 m"})
         EXPECT_FALSE(parse_quantity(bad, T::length)) << bad;
     EXPECT_FALSE(parse_quantity("12 m", T::angle));
     EXPECT_FALSE(parse_quantity("12 m", T::duration));
@@ -117,8 +128,9 @@ TEST(Schema, ranges_are_checked_at_both_ends)
     EXPECT_EQ(problem_of(share, value(-0.25)), "test.toml:1:1: x is out of range, expected a number between 0 and 1, got -0.25");
     const Parameter above{.type = T::number, .minimum = 0, .above_minimum = true};
     EXPECT_EQ(problem_of(above, value(0.0)), "test.toml:1:1: x is out of range, expected a number above 0, got 0");
-    EXPECT_EQ(problem_of({.type = T::angle, .minimum = 0, .maximum = std::numbers::pi / 2}, whole(91), "x_deg"),
-              "test.toml:1:1: x is out of range, expected an angle such as \"12 deg\" (or the key x_deg with a number) between 0 deg and 90 deg, got 91");
+    EXPECT_EQ(
+        problem_of({.type = T::angle, .minimum = 0, .maximum = std::numbers::pi / 2}, whole(91), "x_deg"),
+        "test.toml:1:1: x is out of range, expected an angle such as \"12 deg\" (or the key x_deg with a number) between 0 deg and 90 deg, got 91");
 }
 
 TEST(Schema, a_number_is_finite_whoever_made_the_table)
@@ -132,7 +144,8 @@ TEST(Schema, an_integer_may_be_an_integral_real_and_nothing_else)
 {
     EXPECT_EQ(check_one({.type = T::integer}, value(1e3)).values.integer("x"), 1000);
     EXPECT_EQ(check_one({.type = T::integer}, whole(-7)).values.integer("x"), -7);
-    EXPECT_EQ(problem_of({.type = T::integer, .minimum = 1}, value(2.5)), "test.toml:1:1: x has the wrong type, expected an integer of at least 1, got 2.5");
+    EXPECT_EQ(problem_of({.type = T::integer, .minimum = 1}, value(2.5)),
+              "test.toml:1:1: x has the wrong type, expected an integer of at least 1, got 2.5");
     EXPECT_EQ(problem_of({.type = T::integer}, value(1e300)), "test.toml:1:1: x has the wrong type, expected an integer, got 1e+300");
     EXPECT_EQ(problem_of({.type = T::integer}, text("3")), "test.toml:1:1: x has the wrong type, expected an integer, got \"3\"");
 }
@@ -186,7 +199,10 @@ TEST(Schema, a_colour_names_its_space)
 
 TEST(Schema, unknown_keys_and_missing_ones_are_all_reported)
 {
-    const Schema schema{"camera", "", {{.name = "eye", .type = T::vector, .required = true, .min_count = 3, .max_count = 3}, {.name = "up", .type = T::text, .required = true}}};
+    const Schema schema{
+        "camera",
+        "",
+        {{.name = "eye", .type = T::vector, .required = true, .min_count = 3, .max_count = 3}, {.name = "up", .type = T::text, .required = true}}};
     std::vector<Problem> problems;
     check(schema, table({{"eyee", list({1, 2, 3})}, {"colour", whole(3)}}), problems);
     ASSERT_EQ(problems.size(), 4u);
@@ -206,8 +222,12 @@ TEST(Schema, a_value_that_already_has_its_problem_gets_no_second_one)
 TEST(Schema, defaults_are_used_in_the_type_of_the_parameter)
 {
     std::vector<Problem> problems;
-    const Schema schema{"thing", "", {{.name = "n", .type = T::number, .fallback = std::int64_t{3}}, {.name = "i", .type = T::integer, .fallback = std::int64_t{3}},
-                                     {.name = "p", .type = T::points, .fallback = std::vector<double>{1, 2, 3, 4, 5, 6}}, {.name = "none", .type = T::number}}};
+    const Schema schema{"thing",
+                        "",
+                        {{.name = "n", .type = T::number, .fallback = std::int64_t{3}},
+                         {.name = "i", .type = T::integer, .fallback = std::int64_t{3}},
+                         {.name = "p", .type = T::points, .fallback = std::vector<double>{1, 2, 3, 4, 5, 6}},
+                         {.name = "none", .type = T::number}}};
     const Values values = check(schema, table({}), problems);
     EXPECT_TRUE(problems.empty());
     EXPECT_EQ(values.number("n"), 3.0);
@@ -237,20 +257,29 @@ TEST(Schema, a_getter_used_wrongly_is_an_internal_error_not_the_users)
 
 TEST(Schema, items_of_a_list_of_tables_are_checked_by_the_schema_their_key_chooses)
 {
-    const Parameter edits{.name = "edit", .type = T::tables, .discriminator = "tool",
-                          .items = {{"carve", "", {{.name = "radius", .type = T::length, .required = true}}}, {"fill", "", {{.name = "level", .type = T::length}}}}};
+    const Parameter edits{
+        .name = "edit",
+        .type = T::tables,
+        .discriminator = "tool",
+        .items = {{"carve", "", {{.name = "radius", .type = T::length, .required = true}}}, {"fill", "", {{.name = "level", .type = T::length}}}}};
     const Schema schema{"stack", "", {edits}};
     std::vector<Problem> problems;
-    const Values values = check(schema, table({{"edit", value(Node::Array{table({{"tool", text("fill")}, {"level", whole(3)}}), table({{"tool", text("carve")}, {"radius", whole(2)}})})}}),
+    const Values values = check(schema,
+                                table({{"edit", value(Node::Array{table({{"tool", text("fill")}, {"level", whole(3)}}),
+                                                                  table({{"tool", text("carve")}, {"radius", whole(2)}})})}}),
                                 problems);
     ASSERT_TRUE(problems.empty()) << problems[0].text();
     ASSERT_EQ(values.tables("edit").size(), 2u);
     EXPECT_EQ(values.tables("edit")[0].variant(), "fill");
     EXPECT_EQ(values.tables("edit")[1].number("radius"), 2.0);
 
-    check(schema, table({{"edit", value(Node::Array{table({{"tool", text("curve")}}), table({{"radius", whole(2)}}), whole(3), table({{"tool", text("fill")}, {"radius", whole(2)}})})}}), problems);
+    check(schema,
+          table({{"edit", value(Node::Array{table({{"tool", text("curve")}}), table({{"radius", whole(2)}}), whole(3),
+                                            table({{"tool", text("fill")}, {"radius", whole(2)}})})}}),
+          problems);
     ASSERT_EQ(problems.size(), 4u);
-    EXPECT_EQ(problems[0].text(), "test.toml:1:1: tool has an unknown value, expected one of \"carve\", \"fill\", got \"curve\" (did you mean \"carve\")");
+    EXPECT_EQ(problems[0].text(),
+              "test.toml:1:1: tool has an unknown value, expected one of \"carve\", \"fill\", got \"curve\" (did you mean \"carve\")");
     EXPECT_EQ(problems[1].text(), "test.toml:1:1: an item of edit lacks the key \"tool\", expected one of \"carve\", \"fill\"");
     EXPECT_EQ(problems[2].text(), "test.toml:1:1: an item of edit has the wrong type, expected a table, got 3");
     EXPECT_EQ(problems[3].text(), "test.toml:1:1: unknown key \"radius\" in fill");
@@ -259,5 +288,6 @@ TEST(Schema, items_of_a_list_of_tables_are_checked_by_the_schema_their_key_choos
 TEST(Schema, a_factory_can_report_a_problem_at_a_values_place)
 {
     const Checked c = check_one({.type = T::length}, value(3.0, 7));
-    EXPECT_EQ(c.values.problem("x", "x is too long for this map", "at most 2").what(), std::string("test.toml:1:7: x is too long for this map, expected at most 2"));
+    EXPECT_EQ(c.values.problem("x", "x is too long for this map", "at most 2").what(),
+              std::string("test.toml:1:7: x is too long for this map, expected at most 2"));
 }

@@ -12,13 +12,13 @@
 
 using namespace hoodoo;
 
-namespace {
+namespace
+{
 
 bool snake_case(const std::string& name)
 {
-    return !name.empty() && std::islower(static_cast<unsigned char>(name[0])) && std::all_of(name.begin(), name.end(), [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-    });
+    return !name.empty() && std::islower(static_cast<unsigned char>(name[0])) &&
+           std::all_of(name.begin(), name.end(), [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; });
 }
 
 /// What is wrong with a parameter's definition, or "".
@@ -40,7 +40,8 @@ std::string fault_of(const Parameter& p)
     }();
     for (const double x : numbers)
         if (!(x >= p.minimum && x <= p.maximum) || (p.above_minimum && x == p.minimum)) return "its default is out of its range";
-    if (const auto* s = std::get_if<std::string>(&p.fallback); s && !p.choices.empty() && std::find(p.choices.begin(), p.choices.end(), *s) == p.choices.end())
+    if (const auto* s = std::get_if<std::string>(&p.fallback);
+        s && !p.choices.empty() && std::find(p.choices.begin(), p.choices.end(), *s) == p.choices.end())
         return "its default is none of its choices";
 
     // The getter of its type must be able to read the default.
@@ -51,15 +52,24 @@ std::string fault_of(const Parameter& p)
     const Values values = check(one, Node{}, problems);
     if (!has_default) return {};
     try {
-        if (p.type == T::boolean) values.boolean(p.name);
-        else if (p.type == T::integer) values.integer(p.name);
-        else if (p.type == T::number || p.type == T::length || p.type == T::angle || p.type == T::duration) values.number(p.name);
-        else if (p.type == T::text || p.type == T::choice || p.type == T::path) values.text(p.name);
-        else if (p.type == T::vector) values.vector(p.name);
-        else if (p.type == T::points) values.points(p.name);
-        else if (p.type == T::color) values.color(p.name);
-        else if (p.type == T::names) values.names(p.name);
-        else values.tables(p.name);
+        if (p.type == T::boolean)
+            values.boolean(p.name);
+        else if (p.type == T::integer)
+            values.integer(p.name);
+        else if (p.type == T::number || p.type == T::length || p.type == T::angle || p.type == T::duration)
+            values.number(p.name);
+        else if (p.type == T::text || p.type == T::choice || p.type == T::path)
+            values.text(p.name);
+        else if (p.type == T::vector)
+            values.vector(p.name);
+        else if (p.type == T::points)
+            values.points(p.name);
+        else if (p.type == T::color)
+            values.color(p.name);
+        else if (p.type == T::names)
+            values.names(p.name);
+        else
+            values.tables(p.name);
     } catch (const Error&) {
         return "its default has another type";
     }
@@ -83,7 +93,8 @@ void expect_sound(const Schema& schema, const std::string& title)
 TEST(Sections, every_parameter_of_every_schema_is_sound)
 {
     for (const Section& section : scene_sections())
-        for (std::size_t i = 0; i < section.schemas.size(); ++i) expect_sound(*section.schemas[i], section.types.empty() ? section.name : section.name + "." + section.types[i]);
+        for (std::size_t i = 0; i < section.schemas.size(); ++i)
+            expect_sound(*section.schemas[i], section.types.empty() ? section.name : section.name + "." + section.types[i]);
 }
 
 TEST(Sections, the_check_of_a_parameter_finds_each_fault)
@@ -110,7 +121,8 @@ TEST(Sections, the_limits_of_a_picture_hold_before_anything_is_allocated)
 {
     EXPECT_EQ(too_large(16384, 16384, 1), "");
     EXPECT_NE(too_large(16384, 16385, 1), "");
-    EXPECT_EQ(too_large(65536, 65536, 1), "65536 x 65536 pixels are too many (at least 429 GB), expected at most 268435456");   // 2^32 pixels of 100 bytes
+    EXPECT_EQ(too_large(65536, 65536, 1),
+              "65536 x 65536 pixels are too many (at least 429 GB), expected at most 268435456");  // 2^32 pixels of 100 bytes
     EXPECT_EQ(too_large(1, 1, max_samples), "");
     EXPECT_NE(too_large(1, 1, max_samples + 1), "");
 }
