@@ -3,10 +3,14 @@
 // In a hollow sphere every wall element sees every other with the same form factor, so a Lambertian wall of albedo a, whose opening takes the share f
 // of the sphere and shows a sky of radiance 1, has the radiance L = a (f + (1 - f) L): the geometric series sum over n >= 1 of a^n (1 - f)^(n - 1) f,
 // in which n counts scattering events. A lid at height z = h leaves f = (1 - h) / 2.
+#include "renderer/render.h"
 #include "tests/counts.h"
 #include "tests/support/lit_scenes.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <utility>
 
 namespace hoodoo
 {
@@ -88,6 +92,32 @@ TEST(Furnace, roulette_keeps_the_mean)
         shot.path.roulette_depth = depth;
         EXPECT_NEAR(mean(shoot(scene, shot), "R"), exact, 0.01 * exact) << "roulette from event " << depth;
     }
+}
+
+/// Darkest and brightest pixel of scenes/furnace.toml: a canyon with a cave, traced as a convolution surface with smoothed normals.
+std::pair<float, float> furnace_scene(const SceneOverrides& overrides)
+{
+    const LoadedScene loaded = load_scene(std::string(HOODOO_SOURCE_DIR) + "/scenes/furnace.toml", false, overrides);
+    RenderOptions options;
+    options.quick = testing::count(1, 0) == 1;
+    const Image image = render(loaded, options);
+    const std::vector<float>& pixels = image.find("G")->pixels;
+    const auto [low, high] = std::minmax_element(pixels.begin(), pixels.end());
+    return {*low, *high};
+}
+
+TEST(Furnace, the_scene_of_that_name_is_invisible)
+{
+    const auto [low, high] = furnace_scene({});
+    EXPECT_NEAR(low, 1.0, 1e-3);
+    EXPECT_NEAR(high, 1.0, 1e-3);
+}
+
+TEST(Furnace, the_scene_of_that_name_shows_one_percent_of_absorption)
+{
+    SceneOverrides overrides;
+    overrides.sets = {{"material.bedrock.albedo", "{ grey = 0.99 }"}};
+    EXPECT_LT(furnace_scene(overrides).first, 0.99);
 }
 
 /// Radiance of flat ground of albedo 0.5 seen from above.
