@@ -55,7 +55,8 @@ public:
     bool solid(double x, double y, double z, double ground) const
     {
         // Overhangs: noise moves the ground by up to a tenth of the relief.
-        const double band = r_.relief * (r_.rugged ? 0.12 : 0.04) + 2.0;
+        const double share = r_.overhangs >= 0.0 ? r_.overhangs : (r_.rugged ? 0.12 : 0.04);
+        const double band = r_.relief * share + 2.0;
         double d = z - ground;
         if (std::abs(d) < band) {
             const double size = std::max(6.0, r_.relief * 0.09);
@@ -224,6 +225,7 @@ BenchTerrain bench_terrain(bool rugged, Vec2i size)
     r.size = size;
     r.rugged = rugged;
     r.relief = std::min(226.0, 226.0 * std::max(size.x, size.y) / 1024.0);
+    r.overhangs = rugged ? 0.035 : 0.012;
     BenchTerrain terrain;
     terrain.stack = make_terrain(r);
     const Recipe recipe(r);

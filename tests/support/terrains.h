@@ -17,6 +17,7 @@ struct TerrainRecipe {
     std::uint64_t seed = 1;
     double relief = 226.0;  ///< cells, at most 250: heights are whole 32nds of a cell
     bool rugged = true;     ///< false: gentle slopes, fewer overhangs and tunnels
+    double overhangs = -1.0;    ///< how far 3-D noise moves the ground, as a share of the relief; -1: 0.12 if rugged, else 0.04
     int tunnels = -1;       ///< swept spheres; -1: one to 8700 columns (90 on 1024 x 768)
 };
 
@@ -36,7 +37,8 @@ struct BenchTerrain {
     std::vector<View> views;  ///< aerial, canyon, tunnel
 };
 
-/// The terrain that intersectors are measured on, cells of 1 m; smaller sizes have less relief, so that slopes stay the same.
+/// The terrain that intersectors are measured on, cells of 1 m; smaller sizes have less relief, so that slopes stay the same. Of the columns of the
+/// rugged one about 84% have one run of matter and 15% two, as in the measurements that the ratios are compared with.
 BenchTerrain bench_terrain(bool rugged, Vec2i size);
 
 }  // namespace hoodoo::testing
