@@ -41,7 +41,7 @@ public:
         const double rough = r_.rugged ? 1.0 : 0.35;
         const Vec2d p(x / wave, y / wave);
         double h =
-            0.5 + 0.35 * fbm(p, seed, {7.0, 2.0, r_.rugged ? 0.5 : 0.35}).value + rough * 0.15 * ridged(p * 2.0, seed + 1, {5.0, 2.0, 0.45}).value;
+            0.5 + 0.35 * fbm(p, seed, {7.0, 2.0, r_.gain >= 0.0 ? r_.gain : (r_.rugged ? 0.5 : 0.35)}).value + rough * 0.15 * ridged(p * 2.0, seed + 1, {5.0, 2.0, 0.45}).value;
         // Canyons: narrow valleys along the zero set of a slow noise.
         const double river = std::abs(gradient_noise(p * 1.3, seed + 2).value);
         h -= rough * 0.3 * std::max(0.0, 1.0 - river / 0.08);
@@ -225,7 +225,8 @@ BenchTerrain bench_terrain(bool rugged, Vec2i size)
     r.size = size;
     r.rugged = rugged;
     r.relief = std::min(226.0, 226.0 * std::max(size.x, size.y) / 1024.0);
-    r.overhangs = rugged ? 0.035 : 0.012;
+    r.overhangs = rugged ? 0.03 : 0.012;
+    r.gain = rugged ? 0.42 : 0.35;
     BenchTerrain terrain;
     terrain.stack = make_terrain(r);
     const Recipe recipe(r);
