@@ -1,7 +1,7 @@
 // The header of a picture, one line a fact.
 //
-// Standard names: OpenEXR's list of attributes; colorInteropID and its values as the Color Interop Forum has them. Matrices are for row vectors, as OpenEXR
-// stores them. Integers of 64 bits are texts, because no attribute holds them.
+// Standard names: OpenEXR's list of attributes; colorInteropID and its values as the Color Interop Forum has them. Matrices are for row vectors, as
+// OpenEXR stores them. Integers of 64 bits are texts, because no attribute holds them.
 #include "renderer/provenance.h"
 
 #include "renderer/build_info.h"
@@ -13,11 +13,16 @@
 #include <chrono>
 #include <sys/resource.h>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
-std::vector<float> numbers(const Imath::M44f& matrix) { return {&matrix[0][0], &matrix[0][0] + 16}; }
+std::vector<float> numbers(const Imath::M44f& matrix)
+{
+    return {&matrix[0][0], &matrix[0][0] + 16};
+}
 
 std::string date(bool pinned)
 {
@@ -65,7 +70,8 @@ void add_colors(const ColorConfig& color, std::map<std::string, Attribute>& fact
 
 }  // namespace
 
-std::map<std::string, Attribute> provenance(const LoadedScene& loaded, const RenderOptions& options, const Film& film, std::uint64_t seed, double render_seconds)
+std::map<std::string, Attribute> provenance(const LoadedScene& loaded, const RenderOptions& options, const Film& film, std::uint64_t seed,
+                                            double render_seconds)
 {
     const FilmLayout& layout = film.layout();
     const Description& scene = loaded.description;

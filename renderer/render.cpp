@@ -16,13 +16,21 @@
 #include <chrono>
 #include <cmath>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
-double seconds_since(std::chrono::steady_clock::time_point start) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
+double seconds_since(std::chrono::steady_clock::time_point start)
+{
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
-std::string text_of(const Values& values, const std::string& name) { return values.has(name) ? values.text(name) : std::string(); }
+std::string text_of(const Values& values, const std::string& name)
+{
+    return values.has(name) ? values.text(name) : std::string();
+}
 
 /// How the scene wants to be shown. Throws Error at the view or display that the colour configuration does not have.
 ColorTransform display_of(const LoadedScene& loaded)
@@ -50,8 +58,11 @@ PixelBounds data_window(const RenderOptions& options, int width, int height)
     const auto& [x0, x1, y0, y1] = *options.crop_window;
     const bool inside = 0.0 <= x0 && x0 < x1 && x1 <= 1.0 && 0.0 <= y0 && y0 < y1 && y1 <= 1.0;
     if (!inside)
-        throw Error(ErrorKind::scene, Problem{{}, "the crop window must be a part of the picture", "0 <= x0 < x1 <= 1 and 0 <= y0 < y1 <= 1",
-                                              fmt::format("{},{},{},{}", x0, x1, y0, y1), {}});
+        throw Error(ErrorKind::scene, Problem{{},
+                                              "the crop window must be a part of the picture",
+                                              "0 <= x0 < x1 <= 1 and 0 <= y0 < y1 <= 1",
+                                              fmt::format("{},{},{},{}", x0, x1, y0, y1),
+                                              {}});
     const auto pixel = [](double share, int size) { return static_cast<int>(std::ceil(share * size)); };
     return {pixel(x0, width), pixel(x1, width), pixel(y0, height), pixel(y1, height)};
 }
@@ -87,7 +98,8 @@ LoadedScene load_scene(const std::string& text_or_path, bool is_text, const Scen
     // Colours first: every table of the scene may name one.
     const Values& film = loaded.description.film;
     const bool named = colorconfig.empty() && film.has("colorconfig");
-    loaded.color = ColorConfig::choose(colorconfig, named ? loaded.description.resolve(film.text("colorconfig"), film.where("colorconfig")) : std::string());
+    loaded.color =
+        ColorConfig::choose(colorconfig, named ? loaded.description.resolve(film.text("colorconfig"), film.where("colorconfig")) : std::string());
     display_of(loaded);
 
     SceneOptions options;
@@ -127,7 +139,8 @@ void check_picture_name(const std::string& path)
 {
     const std::string ending = ending_of(path);
     if (ending != ".exr" && ending != ".png")
-        throw Error(ErrorKind::scene, Problem{{}, "the name of a picture tells its format", ".exr or .png at its end", fmt::format("\"{}\"", path), {}});
+        throw Error(ErrorKind::scene,
+                    Problem{{}, "the name of a picture tells its format", ".exr or .png at its end", fmt::format("\"{}\"", path), {}});
 }
 
 void write_picture(const Image& image, const std::string& path, const LoadedScene& loaded)

@@ -14,28 +14,29 @@
 #include <utility>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// What the command line, Python and the C ABI may say beside the scene. Unset members come from the scene.
 struct RenderOptions {
     std::optional<int> width, height, spp;
     std::optional<int> replicates;
-    std::optional<PixelBounds> pixel_bounds;                 ///< half-open, y downwards
-    std::optional<std::array<double, 4>> crop_window;        ///< x0, x1, y0, y1 in [0, 1]
+    std::optional<PixelBounds> pixel_bounds;           ///< half-open, y downwards
+    std::optional<std::array<double, 4>> crop_window;  ///< x0, x1, y0, y1 in [0, 1]
     std::optional<std::uint64_t> seed;
-    int threads = 0;                                         ///< 0: all the process may use
-    int tile_size = 32;                                      ///< pixels; never changes the picture
-    bool quick = false;                                      ///< a quarter of the width, of the height and of the samples
-    bool pin_date = true;                                    ///< DateTime in the header is fixed, so that equal pictures are equal files
-    bool measurements = true;                                ///< renderTime and memory in the header: the one thing that differs from run to run
-    const std::atomic<bool>* cancel = nullptr;               ///< set it to stop
-    std::function<void(double fraction, const std::string& what)> progress;   ///< from any thread, one at a time
+    int threads = 0;                            ///< 0: all the process may use
+    int tile_size = 32;                         ///< pixels; never changes the picture
+    bool quick = false;                         ///< a quarter of the width, of the height and of the samples
+    bool pin_date = true;                       ///< DateTime in the header is fixed, so that equal pictures are equal files
+    bool measurements = true;                   ///< renderTime and memory in the header: the one thing that differs from run to run
+    const std::atomic<bool>* cancel = nullptr;  ///< set it to stop
+    std::function<void(double fraction, const std::string& what)> progress;  ///< from any thread, one at a time
 };
 
 /// A scene that is ready, and what its colours mean.
 struct LoadedScene {
     Description description;
-    std::shared_ptr<const ColorConfig> color;   ///< chosen by: command line > scene > $OCIO > ours
+    std::shared_ptr<const ColorConfig> color;  ///< chosen by: command line > scene > $OCIO > ours
     std::unique_ptr<Scene> scene;
     double build_seconds = 0.0;
 };

@@ -1,7 +1,7 @@
 // Two pictures of the same light differ by noise alone; regions, not pixels, show whether they differ by more.
 //
-// A one per cent change hides in every single pixel and is plain in the sum of a thousand. So the light is summed over regions: the picture, each object, each
-// material, blocks. Pixels do not share samples, so with va, vb the variances of the pixel means
+// A one per cent change hides in every single pixel and is plain in the sum of a thousand. So the light is summed over regions: the picture, each
+// object, each material, blocks. Pixels do not share samples, so with va, vb the variances of the pixel means
 //     t = sum (b - a) / sqrt(sum (va + vb)),
 // whose degrees of freedom follow from those of each pixel's variance, replicates - 1 (Welch1947, its general form):
 //     nu = (sum (va + vb))^2 / (sum va^2 / (Ra - 1) + sum vb^2 / (Rb - 1)).
@@ -21,9 +21,11 @@
 #include <cmath>
 #include <map>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 constexpr double rounding = 1e-6;
 constexpr std::array<const char*, 3> colors = {"R", "G", "B"};
@@ -135,18 +137,20 @@ Comparison compare_statistically(const Image& reference, const Image& test, cons
             result.same = result.same && made.probability >= alarm;
             if (&region == &regions.front()) result.detectable = std::max(result.detectable, made.detectable);
         }
-    std::stable_sort(result.regions.begin(), result.regions.end(), [](const RegionTest& a, const RegionTest& b) { return a.probability < b.probability; });
+    std::stable_sort(result.regions.begin(), result.regions.end(),
+                     [](const RegionTest& a, const RegionTest& b) { return a.probability < b.probability; });
     return result;
 }
 
 std::string Comparison::text() const
 {
     if (!problem.empty()) return "cannot be compared: " + problem + "\n";
-    std::string text = fmt::format("{}; a change of the whole picture by {:.2g}% would have been found\n", same ? "the same light" : "different light",
-                                   100.0 * detectable);
+    std::string text = fmt::format("{}; a change of the whole picture by {:.2g}% would have been found\n",
+                                   same ? "the same light" : "different light", 100.0 * detectable);
     for (std::size_t i = 0; i < std::min<std::size_t>(regions.size(), 5); ++i) {
         const RegionTest& r = regions[i];
-        text += fmt::format("  {} {}: {:.6g} -> {:.6g}, t = {:.2f}, p = {:.2g} ({} pixels)\n", r.region, r.channel, r.reference, r.test, r.t, r.probability, r.pixels);
+        text += fmt::format("  {} {}: {:.6g} -> {:.6g}, t = {:.2f}, p = {:.2g} ({} pixels)\n", r.region, r.channel, r.reference, r.test, r.t,
+                            r.probability, r.pixels);
     }
     return text;
 }

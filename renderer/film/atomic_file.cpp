@@ -1,8 +1,8 @@
 // Write under a temporary name, force it to the disk, read it back, rename, force the folder to the disk.
 //
-// Existence of a file is no proof of its content: image libraries have reported success for files cut off by a full disk. So every byte passes through
-// our own write(), whose errors are kept even if the library that calls it swallows them in a destructor, and nothing gets its name before it was
-// decoded from the disk. A process that is killed in between leaves a file named .NAME.*.tmp, never a partial NAME.
+// Existence of a file is no proof of its content: image libraries have reported success for files cut off by a full disk. So every byte passes
+// through our own write(), whose errors are kept even if the library that calls it swallows them in a destructor, and nothing gets its name before it
+// was decoded from the disk. A process that is killed in between leaves a file named .NAME.*.tmp, never a partial NAME.
 #include "renderer/film/atomic_file.h"
 
 #include "terrain/error.h"
@@ -18,19 +18,25 @@
 #include <system_error>
 #include <unistd.h>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 [[noreturn]] void fail(const std::string& path, const char* what, const std::string& why)
 {
     throw Error(ErrorKind::file, fmt::format("the file \"{}\" cannot be {}: {}", path, what, why));
 }
 
-std::string reason(int error) { return std::generic_category().message(error); }
+std::string reason(int error)
+{
+    return std::generic_category().message(error);
+}
 
 /// Owns the temporary file: closes and removes it unless it got its name.
-class Temporary {
+class Temporary
+{
 public:
     Temporary(const std::string& path, const std::filesystem::path& folder, const std::string& name)
     {
@@ -70,7 +76,7 @@ void sync_folder(const std::string& path, const std::filesystem::path& folder)
     if (descriptor < 0) fail(path, "made permanent", reason(errno));
     const int error = ::fsync(descriptor) == 0 ? 0 : errno;
     ::close(descriptor);
-    if (error != 0 && error != EINVAL) fail(path, "made permanent", reason(error));   // EINVAL: a file system whose folders need no fsync
+    if (error != 0 && error != EINVAL) fail(path, "made permanent", reason(error));  // EINVAL: a file system whose folders need no fsync
 }
 
 }  // namespace

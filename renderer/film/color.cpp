@@ -1,9 +1,9 @@
 // Colour management: one configuration answers what a colour in a file means, in which space light is added, and how it looks on a screen.
 //
-// The scene format's colour words (acescg, lin_rec709, srgb) are defined by the built-in configuration. Under another one they are carried over through
-// ACES 2065-1, the space by which OpenColorIO configurations meet (role aces_interchange, or a space of one of its usual names).
-// The primaries written into EXR headers are computed, not assumed: the rendering space's red, green, blue and white through ACES 2065-1 to XYZ, with
-// the primaries and white point of SMPTE ST 2065-1.
+// The scene format's colour words (acescg, lin_rec709, srgb) are defined by the built-in configuration. Under another one they are carried over
+// through ACES 2065-1, the space by which OpenColorIO configurations meet (role aces_interchange, or a space of one of its usual names). The
+// primaries written into EXR headers are computed, not assumed: the rendering space's red, green, blue and white through ACES 2065-1 to XYZ, with the
+// primaries and white point of SMPTE ST 2065-1.
 //
 // Missing: looks; a limit on which look-up tables a configuration named by a scene may open.
 #include "renderer/film/color.h"
@@ -23,9 +23,11 @@
 
 namespace OCIO = OCIO_NAMESPACE;
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 void convert(const OCIO::ConstCPUProcessorRcPtr& processor, std::span<Vec3f> colours)
 {
@@ -45,7 +47,7 @@ std::string built_in_name(const std::string& word)
 {
     if (word == "acescg") return "ACEScg";
     if (word == "srgb") return "sRGB - Texture";
-    return word;   // lin_rec709 is an alias there
+    return word;  // lin_rec709 is an alias there
 }
 
 std::string find_interchange(const OCIO::Config& config)
@@ -74,8 +76,9 @@ std::string chosen(const char* what, const std::string& name, const char* fallba
 {
     if (name.empty()) return fallback;
     if (std::find(names.begin(), names.end(), name) != names.end()) return name;
-    throw Error(ErrorKind::scene, Problem{where, fmt::format("the colour configuration has no such {}", what),
-                                          fmt::format("one of \"{}\"", fmt::join(names, "\", \"")), fmt::format("\"{}\"", name), nearest_name(name, names)});
+    throw Error(ErrorKind::scene,
+                Problem{where, fmt::format("the colour configuration has no such {}", what), fmt::format("one of \"{}\"", fmt::join(names, "\", \"")),
+                        fmt::format("\"{}\"", name), nearest_name(name, names)});
 }
 
 /// CIE xy of a colour given in ACES 2065-1. The matrix has the primaries' XYZ as columns; SMPTE ST 2065-1: R (0.7347, 0.2653), G (0, 1),
@@ -93,9 +96,9 @@ std::array<double, 2> chromaticity(const Vec3f& ap0)
 
 struct ColorConfig::Implementation {
     OCIO::ConstConfigRcPtr config, built_in;
-    std::string rendering;       // name of the space
-    std::string interchange;     // name of ACES 2065-1 in `config`, or empty
-    mutable std::mutex mutex;    // guards the cache
+    std::string rendering;     // name of the space
+    std::string interchange;   // name of ACES 2065-1 in `config`, or empty
+    mutable std::mutex mutex;  // guards the cache
     mutable std::map<std::string, OCIO::ConstCPUProcessorRcPtr> cache;
 
     OCIO::ConstProcessorRcPtr make(const std::string& space) const;
@@ -116,12 +119,18 @@ OCIO::ConstProcessorRcPtr ColorConfig::Implementation::make(const std::string& s
     if (!word && config->getColorSpace(space.c_str())) return config->getProcessor(space.c_str(), rendering.c_str());
     const std::string name = built_in_name(space);
     if (!built_in->getColorSpace(name.c_str()))
-        throw Error(ErrorKind::scene, Problem{{}, "the colour configuration has no such colour space", fmt::format("one of \"{}\"", fmt::join(names(), "\", \"")),
-                                              fmt::format("\"{}\"", space), nearest_name(space, names())});
+        throw Error(ErrorKind::scene, Problem{{},
+                                              "the colour configuration has no such colour space",
+                                              fmt::format("one of \"{}\"", fmt::join(names(), "\", \"")),
+                                              fmt::format("\"{}\"", space),
+                                              nearest_name(space, names())});
     if (config == built_in) return config->getProcessor(name.c_str(), rendering.c_str());
     if (interchange.empty())
-        throw Error(ErrorKind::scene, Problem{{}, fmt::format("the colour configuration cannot be told what \"{}\" is", space),
-                                              "a configuration with the role aces_interchange or a colour space ACES2065-1", {}, {}});
+        throw Error(ErrorKind::scene, Problem{{},
+                                              fmt::format("the colour configuration cannot be told what \"{}\" is", space),
+                                              "a configuration with the role aces_interchange or a colour space ACES2065-1",
+                                              {},
+                                              {}});
     return OCIO::Config::GetProcessorFromConfigs(built_in, name.c_str(), "aces_interchange", config, rendering.c_str(), interchange.c_str());
 }
 
@@ -139,7 +148,9 @@ ColorConfig::ColorConfig(std::unique_ptr<Implementation> implementation) : imple
     for (const char* role : {"rendering", "scene_linear"})
         if (i.rendering.empty() && i.config->hasRole(role)) i.rendering = i.config->getColorSpace(role)->getName();
     if (i.rendering.empty())
-        throw Error(ErrorKind::file, Problem{{}, "the colour configuration does not say in which space light is computed", "a role rendering or scene_linear", {}, {}});
+        throw Error(
+            ErrorKind::file,
+            Problem{{}, "the colour configuration does not say in which space light is computed", "a role rendering or scene_linear", {}, {}});
     i.interchange = find_interchange(*i.config);
 }
 
@@ -160,8 +171,10 @@ std::shared_ptr<const ColorConfig> ColorConfig::open(const std::string& path)
         implementation->config = OCIO::Config::CreateFromFile(path.c_str());
         implementation->config->validate();
     } catch (const OCIO::Exception& failure) {
-        throw Error(ErrorKind::file, Problem{{}, fmt::format("the colour configuration \"{}\" cannot be read", path), "a valid OpenColorIO configuration",
-                                             failure.what(), {}});
+        throw Error(
+            ErrorKind::file,
+            Problem{
+                {}, fmt::format("the colour configuration \"{}\" cannot be read", path), "a valid OpenColorIO configuration", failure.what(), {}});
     }
     return std::shared_ptr<const ColorConfig>(new ColorConfig(std::move(implementation)));
 }
@@ -205,13 +218,20 @@ ColorTransform ColorConfig::to_display(const std::string& display, const std::st
     try {
         return [processor = config.getProcessor(transform)->getDefaultCPUProcessor()](std::span<Vec3f> colours) { convert(processor, colours); };
     } catch (const OCIO::Exception& failure) {
-        throw Error(ErrorKind::file, Problem{where, fmt::format("the view \"{}\" of the display \"{}\" cannot be used", as, on), {}, failure.what(), {}});
+        throw Error(ErrorKind::file,
+                    Problem{where, fmt::format("the view \"{}\" of the display \"{}\" cannot be used", as, on), {}, failure.what(), {}});
     }
 }
 
-std::string ColorConfig::display_name(const std::string& display) const { return display.empty() ? implementation_->config->getDefaultDisplay() : display; }
+std::string ColorConfig::display_name(const std::string& display) const
+{
+    return display.empty() ? implementation_->config->getDefaultDisplay() : display;
+}
 
-std::string ColorConfig::rendering_space() const { return implementation_->rendering; }
+std::string ColorConfig::rendering_space() const
+{
+    return implementation_->rendering;
+}
 
 std::vector<float> ColorConfig::chromaticities() const
 {
@@ -222,7 +242,7 @@ std::vector<float> ColorConfig::chromaticities() const
     std::vector<float> xy;
     for (const Vec3f& colour : colours)
         for (const double coordinate : chromaticity(colour))
-            xy.push_back(static_cast<float>(std::round(coordinate * 1e5) * 1e-5));   // five decimals, as the standards print them
+            xy.push_back(static_cast<float>(std::round(coordinate * 1e5) * 1e-5));  // five decimals, as the standards print them
     return xy;
 }
 

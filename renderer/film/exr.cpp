@@ -2,8 +2,8 @@
 //
 // OpenEXR itself is used, not OpenImageIO: every attribute is ours, equal pictures make equal bytes, and errors are thrown. The pixels go out in
 // bands of rows, because converting whole planes to half would double the memory of a large picture; the check reads the file in the same bands.
-// Ids are floats, not the format's integers: a float holds every id below 2^24 exactly, and programs that read integers as floats scale them to [0, 1].
-// Attribute names and conventions: OpenEXR's list of standard attributes; capDate is what other programs call DateTime.
+// Ids are floats, not the format's integers: a float holds every id below 2^24 exactly, and programs that read integers as floats scale them to [0,
+// 1]. Attribute names and conventions: OpenEXR's list of standard attributes; capDate is what other programs call DateTime.
 //
 // Missing: parts, tiles, deep data, compression other than zip.
 #include "renderer/film/atomic_file.h"
@@ -30,16 +30,19 @@
 #include <span>
 #include <stdexcept>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
-constexpr int band_rows = 64;                    // a multiple of the 16 rows of a zip chunk
+constexpr int band_rows = 64;  // a multiple of the 16 rows of a zip chunk
 constexpr float largest_half = 65504.0f;
 constexpr std::int64_t max_read_pixels = 1ll << 28;
 
 /// OpenEXR's stream on top of our sink.
-class SinkStream : public Imf::OStream {
+class SinkStream : public Imf::OStream
+{
 public:
     explicit SinkStream(ByteSink& sink) : OStream("picture"), sink_(sink) {}
     void write(const char bytes[], int count) override { sink_.write(bytes, static_cast<std::size_t>(count)); }
@@ -88,7 +91,7 @@ std::vector<char> encode(std::span<const float> values, Imf::PixelType type)
 }
 
 struct Band {
-    int y0, y1;   // half-open
+    int y0, y1;  // half-open
 };
 
 std::vector<Band> bands_of(const PixelBounds& data)
@@ -205,7 +208,8 @@ void read_metadata(const Imf::Header& header, Image& image)
         if (const auto* s = dynamic_cast<const Imf::StringAttribute*>(&attribute)) image.metadata[name] = s->value();
         if (const auto* v = dynamic_cast<const Imf::FloatVectorAttribute*>(&attribute)) image.metadata[name] = v->value();
         if (const auto* v = dynamic_cast<const Imf::V2fAttribute*>(&attribute)) image.metadata[name] = std::vector{v->value().x, v->value().y};
-        if (const auto* v = dynamic_cast<const Imf::V3fAttribute*>(&attribute)) image.metadata[name] = std::vector{v->value().x, v->value().y, v->value().z};
+        if (const auto* v = dynamic_cast<const Imf::V3fAttribute*>(&attribute))
+            image.metadata[name] = std::vector{v->value().x, v->value().y, v->value().z};
         if (const auto* m = dynamic_cast<const Imf::M44fAttribute*>(&attribute)) {
             const float* first = &m->value()[0][0];
             image.metadata[name] = std::vector<float>(first, first + 16);

@@ -10,7 +10,8 @@
 #include <variant>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Half-open pixel rectangle, y downwards, row 0 on top.
 struct PixelBounds {
@@ -21,14 +22,14 @@ struct PixelBounds {
 
 /// One plane of pixels, row by row from the top of the data window.
 struct Channel {
-    std::string name;              ///< as in the EXR: "R", "N.X", "variance.G"
+    std::string name;  ///< as in the EXR: "R", "N.X", "variance.G"
     std::vector<float> pixels;
 };
 
-using Attribute = std::variant<int, float, std::string, std::vector<float>>;   ///< 16 floats: a matrix; 8 floats: chromaticities
+using Attribute = std::variant<int, float, std::string, std::vector<float>>;  ///< 16 floats: a matrix; 8 floats: chromaticities
 
 struct Image {
-    int width = 0, height = 0;     ///< display window
+    int width = 0, height = 0;  ///< display window
     PixelBounds data;
     std::vector<Channel> channels;
     std::map<std::string, Attribute> metadata;

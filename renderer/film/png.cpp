@@ -16,11 +16,16 @@
 #include <iterator>
 #include <stdexcept>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
-std::uint8_t quantise(float value) { return static_cast<std::uint8_t>(std::floor(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f)); }
+std::uint8_t quantise(float value)
+{
+    return static_cast<std::uint8_t>(std::floor(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f));
+}
 
 /// R, G, B of the data window as a screen shows them, row by row.
 std::vector<std::uint8_t> developed(const Image& image, const std::string& path, const ColorTransform& to_display, double exposure_stops)
@@ -55,8 +60,8 @@ std::vector<unsigned char> encode(const std::vector<std::uint8_t>& pixels, const
     OIIO::Filesystem::IOVecOutput memory(encoded);
     const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
     if (output) output->threads(1);
-    if (!output || !output->set_ioproxy(&memory) || !output->open("picture.png", spec) || !output->write_image(OIIO::TypeDesc::UINT8, pixels.data()) ||
-        !output->close())
+    if (!output || !output->set_ioproxy(&memory) || !output->open("picture.png", spec) ||
+        !output->write_image(OIIO::TypeDesc::UINT8, pixels.data()) || !output->close())
         throw std::runtime_error(output ? output->geterror() : OIIO::geterror());
     return encoded;
 }

@@ -6,14 +6,15 @@
 
 #include <string>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// standard: half floats where eleven bits are enough for the eye and for compositing. full: floats everywhere, for references of measurements.
 enum class ExrPrecision { standard, full };
 
 /// Writes all channels and the metadata into a single-part OpenEXR file, zip compressed; the data window inside the display window, row 0 on top.
-/// At standard precision R, G, B, A, N.*, Ng.*, albedo.*, material.* are half floats, everything else floats (ids too: exact below 2^24). R, G, B become
-/// floats where a half would overflow (a visible sun). Metadata: 2, 3, 16 numbers become a vector or a matrix, the 8 of `chromaticities` that
+/// At standard precision R, G, B, A, N.*, Ng.*, albedo.*, material.* are half floats, everything else floats (ids too: exact below 2^24). R, G, B
+/// become floats where a half would overflow (a visible sun). Metadata: 2, 3, 16 numbers become a vector or a matrix, the 8 of `chromaticities` that
 /// attribute, and `DateTime` (YYYY:MM:DD HH:MM:SS) the standard capDate. Equal images make equal bytes. Atomic and verified; throws Error (file).
 void write_exr(const Image& image, const std::string& path, ExrPrecision precision = ExrPrecision::standard);
 
@@ -21,8 +22,9 @@ void write_exr(const Image& image, const std::string& path, ExrPrecision precisi
 /// Throws Error (file).
 Image read_exr(const std::string& path);
 
-/// Writes the data window's R, G, B as eight-bit PNG: times 2^exposure, through `to_display`, clamped to [0, 1] and rounded to the nearest. `is_srgb` marks the
-/// file as sRGB. Alpha is left out, so that the sky stays visible. Atomic and verified; throws Error (file), also where a pixel is not finite.
+/// Writes the data window's R, G, B as eight-bit PNG: times 2^exposure, through `to_display`, clamped to [0, 1] and rounded to the nearest. `is_srgb`
+/// marks the file as sRGB. Alpha is left out, so that the sky stays visible. Atomic and verified; throws Error (file), also where a pixel is not
+/// finite.
 void write_png(const Image& image, const std::string& path, const ColorTransform& to_display, double exposure_stops, bool is_srgb);
 
 }  // namespace hoodoo

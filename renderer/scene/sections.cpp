@@ -86,7 +86,8 @@ const Schema& render_schema()
                                     .maximum = 1 << 20},
                                    {.name = "replicates",
                                     .type = T::integer,
-                                    .doc = "Independently scrambled repetitions among the samples: 2 or more give an unbiased variance.",
+                                    .doc = "Independently scrambled repetitions among the samples: 2 or more give an unbiased variance, at the price "
+                                           "of noise (of 64 samples, 4 cost 20% more variance, 16 cost 34 to 65%).",
                                     .fallback = std::int64_t{1},
                                     .minimum = 1,
                                     .maximum = 4096},

@@ -12,10 +12,11 @@
 
 using namespace hoodoo;
 
-namespace {
+namespace
+{
 
-constexpr std::uint64_t test_seed = 1, reference_seed = 2;   // independent noise
-constexpr int reference_effort = 8;                          // times the scene's samples: the test's own noise dominates
+constexpr std::uint64_t test_seed = 1, reference_seed = 2;  // independent noise
+constexpr int reference_effort = 8;                         // times the scene's samples: the test's own noise dominates
 
 const std::filesystem::path folder = std::filesystem::path(HOODOO_SOURCE_DIR) / "tests/images";
 
@@ -28,7 +29,10 @@ std::vector<std::string> scene_names()
     return names;
 }
 
-bool starts_with(const std::string& name, const std::string& prefix) { return name.rfind(prefix, 0) == 0; }
+bool starts_with(const std::string& name, const std::string& prefix)
+{
+    return name.rfind(prefix, 0) == 0;
+}
 
 Image picked(const Image& image, const std::function<bool(const std::string&)>& wanted)
 {
@@ -48,7 +52,8 @@ void write_reference(const LoadedScene& scene, const std::filesystem::path& wher
         return name == "R" || name == "G" || name == "B" || name == "objectId" || starts_with(name, "material.");
     };
     write_exr(picked(image, light), (where / "mean.exr").string(), ExrPrecision::full);
-    write_exr(picked(image, [](const std::string& name) { return starts_with(name, "variance."); }), (where / "variance.exr").string(), ExrPrecision::full);
+    write_exr(picked(image, [](const std::string& name) { return starts_with(name, "variance."); }), (where / "variance.exr").string(),
+              ExrPrecision::full);
 }
 
 Image read_reference(const std::filesystem::path& where)
@@ -66,7 +71,9 @@ Image brighter(Image image, float gain)
     return image;
 }
 
-class Images : public ::testing::TestWithParam<std::string> {};
+class Images : public ::testing::TestWithParam<std::string>
+{
+};
 
 }  // namespace
 
@@ -100,7 +107,8 @@ INSTANTIATE_TEST_SUITE_P(, Images, ::testing::ValuesIn(scene_names()), [](const 
 
 TEST(ImageOfThePlane, has_the_radiance_of_its_formula)
 {
-    // A Lambert plane reflects L = albedo E sin(elevation) / pi; E = 1000, 900, 800 W/m2 at 30 degrees, albedo 0.5, 0.4, 0.3. No noise, so floats are exact.
+    // A Lambert plane reflects L = albedo E sin(elevation) / pi; E = 1000, 900, 800 W/m2 at 30 degrees, albedo 0.5, 0.4, 0.3. No noise, so floats are
+    // exact.
     const Image reference = read_exr((folder / "plane" / "mean.exr").string());
     const double irradiance[3] = {1000.0, 900.0, 800.0}, albedo[3] = {0.5, 0.4, 0.3};
     for (int c = 0; c < 3; ++c) {

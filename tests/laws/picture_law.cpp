@@ -11,7 +11,8 @@
 
 using namespace hoodoo;
 
-namespace {
+namespace
+{
 
 /// "" if `part` has the bits of `full` in its own window and says so in its windows; else what differs first.
 std::string differs(const Image& full, const Image& part)
@@ -33,7 +34,8 @@ std::string differs(const Image& full, const Image& part)
     return {};
 }
 
-class Pictures : public ::testing::Test {
+class Pictures : public ::testing::Test
+{
 protected:
     static void SetUpTestSuite()
     {
@@ -124,7 +126,7 @@ TEST_F(Pictures, of_mutants_are_found_to_differ)
     Image flipped = render(*scene_, cropped(bounds));
     float& value = flipped.channels[2].pixels[40];
     value = std::nextafter(value, 1e9f);
-    EXPECT_EQ(differs(*full_, flipped), "B differs at 19,7");   // pixel 40 of a row of 17: 13 + 40 % 17, 5 + 40 / 17
+    EXPECT_EQ(differs(*full_, flipped), "B differs at 19,7");  // pixel 40 of a row of 17: 13 + 40 % 17, 5 + 40 / 17
     // A window that is not the asked one.
     flipped.data.x1 = 49;
     EXPECT_EQ(differs(*full_, flipped), "the part is no part");
@@ -192,7 +194,7 @@ TEST_F(Pictures, quick_are_a_quarter_in_all_they_cost)
     EXPECT_EQ(std::get<int>(image.metadata.at("hoodoo:spp")), 2);
     options.pixel_bounds = PixelBounds{13, 30, 5, 22};
     const PixelBounds data = render(*scene_, options).data;
-    EXPECT_EQ(data.x0, 3);   // what covers the asked pixels: floor(13 / 4), ceil(30 / 4)
+    EXPECT_EQ(data.x0, 3);  // what covers the asked pixels: floor(13 / 4), ceil(30 / 4)
     EXPECT_EQ(data.x1, 8);
     EXPECT_EQ(data.y0, 1);
     EXPECT_EQ(data.y1, 6);

@@ -11,18 +11,22 @@
 
 using namespace hoodoo;
 
-namespace {
+namespace
+{
 
 /// A configuration whose rendering space is ACES 2065-1 itself; with or without the role by which configurations meet.
 std::string config_text(const std::string& rendering, bool interchange)
 {
-    std::string text = "ocio_profile_version: 2\nenvironment: {}\nsearch_path: \"\"\nstrictparsing: true\nroles:\n  default: own\n  " + rendering + ": own\n";
+    std::string text =
+        "ocio_profile_version: 2\nenvironment: {}\nsearch_path: \"\"\nstrictparsing: true\nroles:\n  default: own\n  " + rendering + ": own\n";
     if (interchange) text += "  aces_interchange: own\n";
-    return text + "file_rules:\n  - !<Rule> {name: Default, colorspace: default}\ndisplays:\n  screen:\n    - !<View> {name: plain, colorspace: own}\n"
-                  "colorspaces:\n  - !<ColorSpace> {name: own, isdata: false}\n";
+    return text +
+           "file_rules:\n  - !<Rule> {name: Default, colorspace: default}\ndisplays:\n  screen:\n    - !<View> {name: plain, colorspace: own}\n"
+           "colorspaces:\n  - !<ColorSpace> {name: own, isdata: false}\n";
 }
 
-class Colour : public ::testing::Test {
+class Colour : public ::testing::Test
+{
 protected:
     void SetUp() override
     {
@@ -148,10 +152,11 @@ TEST_F(Colour, a_configuration_that_cannot_be_compared_says_so)
         lonely->to_rendering("acescg", Vec3f(1.0f));
         FAIL();
     } catch (const Error& error) {
-        EXPECT_STREQ(error.what(), "the colour configuration cannot be told what \"acescg\" is, expected a configuration with the role aces_interchange or a "
-                                   "colour space ACES2065-1");
+        EXPECT_STREQ(error.what(),
+                     "the colour configuration cannot be told what \"acescg\" is, expected a configuration with the role aces_interchange or a "
+                     "colour space ACES2065-1");
     }
-    EXPECT_THROW(ColorConfig::open(file("none.ocio", config_text("texture_paint", true))), Error);   // no rendering space
+    EXPECT_THROW(ColorConfig::open(file("none.ocio", config_text("texture_paint", true))), Error);  // no rendering space
 }
 
 TEST_F(Colour, wrong_names_are_answered_with_the_right_ones)
@@ -162,8 +167,9 @@ TEST_F(Colour, wrong_names_are_answered_with_the_right_ones)
         FAIL();
     } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::scene);
-        EXPECT_STREQ(error.what(), "a.toml:3:8: the colour configuration has no such view, expected one of \"ACES 1.0 SDR-video\", \"Un-tone-mapped\", \"Raw\", "
-                                   "got \"Un-tone-maped\" (did you mean \"Un-tone-mapped\")");
+        EXPECT_STREQ(error.what(),
+                     "a.toml:3:8: the colour configuration has no such view, expected one of \"ACES 1.0 SDR-video\", \"Un-tone-mapped\", \"Raw\", "
+                     "got \"Un-tone-maped\" (did you mean \"Un-tone-mapped\")");
     }
     EXPECT_THROW(config->to_display("television", ""), Error);
     EXPECT_THROW(config->to_rendering("ACEScgg"), Error);

@@ -9,7 +9,8 @@
 
 using namespace hoodoo;
 
-namespace {
+namespace
+{
 
 FilmLayout layout_of(int samples, int replicates = 1)
 {
@@ -46,7 +47,10 @@ PixelSample hit(float z, std::uint32_t object, const Vec3f& normal, std::span<co
 }
 
 /// Value of the channel at the data window's first pixel.
-float first(const Film& film, const std::string& name) { return film.develop().find(name)->pixels[0]; }
+float first(const Film& film, const std::string& name)
+{
+    return film.develop().find(name)->pixels[0];
+}
 
 /// A film whose first pixel took these samples.
 Film exposed(const FilmLayout& layout, const std::vector<float>& radiances, int per_replicate = 1 << 20)
@@ -82,9 +86,9 @@ TEST(Film, means_are_over_samples_for_light_and_over_hits_for_surfaces)
     sums.add(sky);
     sums.add(grey(0.0f));
     film.record(1, 1, sums);
-    EXPECT_EQ(first(film, "R"), 2.0f);   // (1 + 1 + 6 + 0) / 4
+    EXPECT_EQ(first(film, "R"), 2.0f);  // (1 + 1 + 6 + 0) / 4
     EXPECT_EQ(first(film, "A"), 0.5f);
-    EXPECT_EQ(first(film, "N.Z"), 0.5f);   // of two hits, not of four samples
+    EXPECT_EQ(first(film, "N.Z"), 0.5f);  // of two hits, not of four samples
     EXPECT_EQ(first(film, "P.X"), 6.0f);
     EXPECT_EQ(first(film, "albedo.G"), 0.5f);
     EXPECT_EQ(first(film, "material.sand"), 0.75f);
@@ -110,7 +114,8 @@ TEST(Film, a_pixel_that_sees_only_sky_has_infinite_depth_and_no_id)
 {
     const Film film = exposed(layout_of(3), {1.0f, 2.0f, 3.0f});
     EXPECT_EQ(first(film, "Z"), std::numeric_limits<float>::infinity());
-    for (const char* name : {"A", "objectId", "instanceId", "N.X", "N.Z", "P.X", "albedo.R", "material.sand"}) EXPECT_EQ(first(film, name), 0.0f) << name;
+    for (const char* name : {"A", "objectId", "instanceId", "N.X", "N.Z", "P.X", "albedo.R", "material.sand"})
+        EXPECT_EQ(first(film, name), 0.0f) << name;
 }
 
 TEST(Film, variance_between_replicates_is_that_of_their_means_over_their_number)
@@ -138,9 +143,9 @@ TEST(Film, variance_of_a_single_sample_is_unknown)
 
 TEST(Film, variance_of_independent_samples_is_right_on_average)
 {
-    // Uniform numbers have variance 1/12, a mean of 64 has 1/768. With B batch means an estimate has relative variance 2 / (B - 1) (normal means), so the mean
-    // of 4000 estimates is within 5 sqrt(2 / (B - 1) / 4000) of it except once in 2e6: 6.5% for 4 blocks, 4.2% for 8 replicates. An estimate that
-    // forgets the - 1 of B - 1 would be 25% or 12.5% too low.
+    // Uniform numbers have variance 1/12, a mean of 64 has 1/768. With B batch means an estimate has relative variance 2 / (B - 1) (normal means), so
+    // the mean of 4000 estimates is within 5 sqrt(2 / (B - 1) / 4000) of it except once in 2e6: 6.5% for 4 blocks, 4.2% for 8 replicates. An estimate
+    // that forgets the - 1 of B - 1 would be 25% or 12.5% too low.
     for (const int replicates : {1, 8}) {
         FilmLayout layout = layout_of(64, replicates);
         Film film(layout);
@@ -175,7 +180,7 @@ TEST(Film, samples_that_are_no_numbers_are_dropped_and_counted)
     EXPECT_EQ(film.dropped_samples(), 6u);
     EXPECT_EQ(film.first_dropped_pixel(), Vec2i(2, 1));
     const Image image = film.develop();
-    EXPECT_EQ(image.find("R")->pixels[1], 2.0f);   // (2, 1) is the second pixel of the data window
+    EXPECT_EQ(image.find("R")->pixels[1], 2.0f);  // (2, 1) is the second pixel of the data window
     EXPECT_EQ(image.find("samples.Y")->pixels[1], 1.0f);
     EXPECT_EQ(image.find("A")->pixels[1], 0.0f);
 }
@@ -191,8 +196,8 @@ TEST(Film, a_pixel_without_any_good_sample_is_black_and_its_variance_unknown)
 
 TEST(Film, blocks_of_sixteen_are_summed_apart)
 {
-    // 2^24 + 1 is no float but a double, and 2^53 + 1 is no double: in one running sum every 1 after 2^53 would vanish. In blocks of 16 the first block
-    // loses its fifteen and the second adds 16; a last block of -2^53 leaves 16 in all, over 33 samples.
+    // 2^24 + 1 is no float but a double, and 2^53 + 1 is no double: in one running sum every 1 after 2^53 would vanish. In blocks of 16 the first
+    // block loses its fifteen and the second adds 16; a last block of -2^53 leaves 16 in all, over 33 samples.
     std::vector<float> values = repeated({{1, 0x1p53f}, {31, 1.0f}, {1, -0x1p53f}});
     EXPECT_FLOAT_EQ(first(exposed(layout_of(33), values), "R"), 16.0f / 33.0f);
 }

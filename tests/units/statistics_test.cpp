@@ -11,7 +11,8 @@
 
 using namespace hoodoo;
 
-namespace {
+namespace
+{
 
 constexpr int side = 32, replicates = 8, samples = 64;
 
@@ -33,7 +34,8 @@ Image noisy(std::uint64_t seed, Gain gain)
             for (int i = 0; i < samples; ++i) {
                 const std::uint64_t cell = hash_cell(seed, x, y, i);
                 // Box and Muller: a normal number from two uniform ones.
-                const double normal = std::sqrt(-2.0 * std::log(1.0 - unit_real(mix64(cell)))) * std::cos(6.283185307179586 * unit_real(mix64(cell + 1)));
+                const double normal =
+                    std::sqrt(-2.0 * std::log(1.0 - unit_real(mix64(cell)))) * std::cos(6.283185307179586 * unit_real(mix64(cell + 1)));
                 PixelSample sample;
                 sample.radiance = Vec3f(static_cast<float>(gain(x, y) * (1.0 + x / 16.0) * std::exp(normal)));
                 sample.alpha = 1.0f;
@@ -60,8 +62,10 @@ Image brighter(Image image, float gain, float variance_gain)
 {
     for (Channel& channel : image.channels)
         for (float& v : channel.pixels)
-            if (channel.name.size() == 1 && channel.name != "A" && channel.name != "Z") v *= gain;
-            else if (channel.name.rfind("variance.", 0) == 0) v *= variance_gain;
+            if (channel.name.size() == 1 && channel.name != "A" && channel.name != "Z")
+                v *= gain;
+            else if (channel.name.rfind("variance.", 0) == 0)
+                v *= variance_gain;
     return image;
 }
 
@@ -71,8 +75,10 @@ Image flat(float value)
     Image image = noisy(1);
     for (Channel& channel : image.channels)
         for (float& v : channel.pixels)
-            if (channel.name == "R" || channel.name == "G" || channel.name == "B") v = value;
-            else if (channel.name.rfind("variance.", 0) == 0) v = 0.0f;
+            if (channel.name == "R" || channel.name == "G" || channel.name == "B")
+                v = value;
+            else if (channel.name.rfind("variance.", 0) == 0)
+                v = 0.0f;
     return image;
 }
 
@@ -93,7 +99,8 @@ TEST(Statistics, pictures_of_the_same_light_are_the_same)
 
 TEST(Statistics, a_change_as_large_as_stated_is_found_as_often_as_stated)
 {
-    // The stated change is found with chance 0.99 in the whole picture alone; of 60 pairs at least 56 are found except with chance 3e-4 (of 500: 485, 2e-4).
+    // The stated change is found with chance 0.99 in the whole picture alone; of 60 pairs at least 56 are found except with chance 3e-4 (of 500: 485,
+    // 2e-4).
     CompareSettings settings;
     const int pairs = hoodoo::testing::count(60, 500);
     int found = 0;
@@ -108,7 +115,8 @@ TEST(Statistics, a_change_as_large_as_stated_is_found_as_often_as_stated)
 
 TEST(Statistics, half_of_that_change_is_not_always_found)
 {
-    // So that the statement is no understatement: the chance of a find at half the change is below one half (the threshold is more than two thirds of it).
+    // So that the statement is no understatement: the chance of a find at half the change is below one half (the threshold is more than two thirds of
+    // it).
     const Image reference = noisy(1);
     const double detectable = compare_statistically(reference, reference).detectable;
     int found = 0;

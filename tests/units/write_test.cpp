@@ -1,5 +1,5 @@
-// Pictures on the disk: what is read back is what was meant, by our reader and by other programs; and a full disk, a killed writer or a wrong path never
-// leaves half a picture.
+// Pictures on the disk: what is read back is what was meant, by our reader and by other programs; and a full disk, a killed writer or a wrong path
+// never leaves half a picture.
 #include "renderer/film/atomic_file.h"
 #include "renderer/film/write.h"
 
@@ -26,7 +26,8 @@
 
 using namespace hoodoo;
 
-namespace {
+namespace
+{
 
 const float infinity = std::numeric_limits<float>::infinity();
 
@@ -45,8 +46,8 @@ Image picture(float brightness = 1.0f)
     }
     for (Channel& channel : image.channels) {
         if (channel.name == "Z") channel.pixels[7] = infinity;
-        if (channel.name == "P.X") channel.pixels[3] = 4000000.25f;          // a map's coordinates need all bits
-        if (channel.name == "objectId") std::fill(channel.pixels.begin(), channel.pixels.end(), 16777215.0f);   // 2^24 - 1
+        if (channel.name == "P.X") channel.pixels[3] = 4000000.25f;                                            // a map's coordinates need all bits
+        if (channel.name == "objectId") std::fill(channel.pixels.begin(), channel.pixels.end(), 16777215.0f);  // 2^24 - 1
     }
     image.metadata["hoodoo:seed"] = std::string("18446744073709551615");
     image.metadata["hoodoo:spp"] = 64;
@@ -108,7 +109,8 @@ int outcome(const std::function<void()>& write)
 
 const ColorTransform as_is = [](std::span<Vec3f>) {};
 
-class Files : public ::testing::Test {
+class Files : public ::testing::Test
+{
 protected:
     void SetUp() override
     {
@@ -141,11 +143,13 @@ TEST_F(Files, an_exr_reads_back_as_it_was_meant)
     for (const Channel& channel : meant.channels) {
         const Channel* other = found.find(channel.name);
         ASSERT_TRUE(other) << channel.name;
-        const bool exact = channel.name == "Z" || channel.name == "P.X" || channel.name == "objectId" || channel.name[0] == 'v' || channel.name[0] == 's';
+        const bool exact =
+            channel.name == "Z" || channel.name == "P.X" || channel.name == "objectId" || channel.name[0] == 'v' || channel.name[0] == 's';
         for (std::size_t i = 0; i < channel.pixels.size(); ++i) {
             if (exact) ASSERT_EQ(channel.pixels[i], other->pixels[i]) << channel.name;
             // A half has 11 significant bits, and steps of 2^-24 below 2^-14.
-            else ASSERT_NEAR(channel.pixels[i], other->pixels[i], channel.pixels[i] * 0x1p-11f + 0x1p-25f) << channel.name;
+            else
+                ASSERT_NEAR(channel.pixels[i], other->pixels[i], channel.pixels[i] * 0x1p-11f + 0x1p-25f) << channel.name;
         }
     }
     for (const auto& [name, value] : meant.metadata) EXPECT_EQ(found.metadata.at(name), value) << name;
@@ -155,15 +159,12 @@ TEST_F(Files, exrheader_and_oiiotool_agree_on_an_exr)
 {
     write_exr(picture(), path("a.exr"));
     const std::string header = output_of("exrheader " + path("a.exr"));
-    for (const char* line : {"compression (type compression): zip, individual scanlines", "dataWindow (type box2i): (5 10) - (24 79)",
-                             "displayWindow (type box2i): (0 0) - (39 89)", "R, 16-bit floating-point", "Z, 32-bit floating-point", "P.X, 32-bit floating-point",
-                             "objectId, 32-bit floating-point", "variance.R, 32-bit floating-point", "capDate (type string): \"1970:01:01 00:00:00\"",
-                             "hoodoo:spp (type int): 64", "worldToCamera (type m44f)", "red   (0.713 0.293)", "hoodoo:seed (type string): \"18446744073709551615\""})
-        if (std::string(line).rfind("compression", 0) == 0) {
-            EXPECT_NE(header.find("zip"), std::string::npos) << header;
-        } else {
-            EXPECT_NE(header.find(line), std::string::npos) << line << "\n" << header;
-        }
+    for (const char* line :
+         {"compression (type compression): zip", "dataWindow (type box2i): (5 10) - (24 79)", "displayWindow (type box2i): (0 0) - (39 89)",
+          "R, 16-bit floating-point", "Z, 32-bit floating-point", "P.X, 32-bit floating-point", "objectId, 32-bit floating-point",
+          "variance.R, 32-bit floating-point", "capDate (type string): \"1970:01:01 00:00:00\"", "hoodoo:spp (type int): 64",
+          "worldToCamera (type m44f)", "red   (0.713 0.293)", "hoodoo:seed (type string): \"18446744073709551615\""})
+        EXPECT_NE(header.find(line), std::string::npos) << line << "\n" << header;
     // The value of the first row's second pixel, 1 / 1400 as a half, by a program that shares no code with our reader.
     const std::string dump = output_of("oiiotool --dumpdata " + path("a.exr"));
     EXPECT_NE(dump.find("Pixel (6, 10): 0.000714"), std::string::npos) << dump.substr(0, 400);
@@ -175,7 +176,7 @@ TEST_F(Files, exrheader_and_oiiotool_agree_on_an_exr)
 
 TEST_F(Files, radiance_beyond_half_is_kept_in_floats)
 {
-    const float sun = 2.0e7f;   // W/m2/sr of the sun's disc: 1361 W/m2 over 6.8e-5 sr
+    const float sun = 2.0e7f;  // W/m2/sr of the sun's disc: 1361 W/m2 over 6.8e-5 sr
     Image image = picture();
     image.channels[1].pixels[0] = sun;
     write_exr(image, path("sun.exr"));
@@ -212,7 +213,8 @@ TEST_F(Files, a_png_is_clamped_rounded_and_marked_as_srgb)
     for (const char* name : {"R", "G", "B"}) image.channels.push_back({name, {0.5f, 1.7f, -0.3f, 0.2f, 0.0019f, 1.0f}});
     write_png(image, path("a.png"), as_is, 0.0, true);
     const std::string dump = output_of("oiiotool --dumpdata " + path("a.png"));
-    for (const char* text : {"Pixel (0, 0): 128 128 128", "Pixel (1, 0): 255 255 255", "Pixel (2, 0): 0 0 0", "Pixel (3, 0): 51 51 51", "Pixel (4, 0): 0 0 0"})
+    for (const char* text :
+         {"Pixel (0, 0): 128 128 128", "Pixel (1, 0): 255 255 255", "Pixel (2, 0): 0 0 0", "Pixel (3, 0): 51 51 51", "Pixel (4, 0): 0 0 0"})
         EXPECT_NE(dump.find(text), std::string::npos) << text << "\n" << dump;
     const std::vector<char> bytes = bytes_of(path("a.png"));
     const std::string content(bytes.begin(), bytes.end());
@@ -237,7 +239,7 @@ TEST_F(Files, a_png_goes_through_the_display_transform)
 TEST_F(Files, a_png_of_what_is_no_number_is_refused)
 {
     Image image = picture();
-    image.channels[0].pixels[21] = infinity;   // second row, second pixel
+    image.channels[0].pixels[21] = infinity;  // second row, second pixel
     EXPECT_EQ(outcome([&] { write_png(image, path("a.png"), as_is, 0.0, true); }), 3);
     try {
         write_png(image, "a.png", as_is, 0.0, true);
@@ -252,8 +254,10 @@ TEST_F(Files, a_limit_on_file_size_leaves_the_old_file_and_no_other)
     // RLIMIT_FSIZE cuts a file at any byte as a full disk does. Sizes from one byte to one less than the picture needs.
     for (const char* name : {"a.exr", "a.png"}) {
         const auto write = [&](float brightness) {
-            if (name[2] == 'e') write_exr(picture(brightness), path(name));
-            else write_png(picture(brightness), path(name), as_is, 0.0, true);
+            if (name[2] == 'e')
+                write_exr(picture(brightness), path(name));
+            else
+                write_png(picture(brightness), path(name), as_is, 0.0, true);
         };
         write(0.5f);
         const std::vector<char> old = bytes_of(path(name));
@@ -272,7 +276,7 @@ TEST_F(Files, a_limit_on_file_size_leaves_the_old_file_and_no_other)
             EXPECT_EQ(bytes_of(path(name)), old) << name << " cut at " << limit;
             EXPECT_EQ(names().size(), 1u) << "a temporary file is left";
         }
-        EXPECT_EQ(in_child([&] { return outcome([&] { write(1.0f); }); }), 0);   // the child itself can write
+        EXPECT_EQ(in_child([&] { return outcome([&] { write(1.0f); }); }), 0);  // the child itself can write
         std::filesystem::remove(path(name));
     }
 }
@@ -296,7 +300,7 @@ TEST_F(Files, a_full_disk_leaves_the_old_file_and_no_other)
             if (outcome([&] { exr ? write_exr(picture(), path(name)) : write_png(picture(), path(name), as_is, 0.0, true); }) != 3) return 1;
         }
         if (bytes_of(path("a.exr")) != old) return 2;
-        return names().size() == 2 ? 0 : 3;   // the picture and the filler
+        return names().size() == 2 ? 0 : 3;  // the picture and the filler
     });
     if (result == 77) GTEST_SKIP() << "no file system may be mounted here";
     EXPECT_EQ(result, 0);
@@ -336,7 +340,8 @@ TEST_F(Files, only_regular_files_are_replaced)
 TEST_F(Files, a_file_that_does_not_verify_gets_no_name)
 {
     const auto produce = [](ByteSink& sink) { sink.write("new", 3); };
-    write_atomically(path("a"), [](ByteSink& sink) { sink.write("old", 3); }, [](const std::string&) {});
+    write_atomically(
+        path("a"), [](ByteSink& sink) { sink.write("old", 3); }, [](const std::string&) {});
     EXPECT_EQ(outcome([&] { write_atomically(path("a"), produce, [](const std::string&) { throw std::runtime_error("it differs"); }); }), 3);
     EXPECT_EQ(bytes_of(path("a")), std::vector<char>({'o', 'l', 'd'}));
     EXPECT_EQ(names().size(), 1u);
@@ -355,7 +360,7 @@ TEST_F(Files, an_error_that_a_library_swallows_is_still_an_error)
             try {
                 sink.write("three", 5);
             } catch (const std::exception&) {
-                return;   // as a destructor does
+                return;  // as a destructor does
             }
         };
         return outcome([&] { write_atomically(path("a"), careless, [](const std::string&) {}); });
