@@ -61,7 +61,7 @@ void add_scene_options(CLI::App& command, Arguments& a)
         ->allow_extra_args(false);
     command.add_option("--colorconfig", scene.colorconfig, "OpenColorIO configuration (else the scene's, $OCIO, the one built in)");
     command.add_option("-t,--threads", scene.threads, "Threads; 0 = all this process may use")->check(CLI::Range(0, 4096));
-    command.add_option("--seed", a.seed, "Replace the scene's seed")->check(CLI::NonNegativeNumber);
+    command.add_option("--seed", a.seed, "Seed of the samples; the ground keeps the scene's")->check(CLI::NonNegativeNumber);
     command.add_flag("-q,--quiet", scene.quiet, "Say nothing but errors");
 }
 
@@ -164,7 +164,7 @@ void finish_arguments(const CLI::App& command, Arguments& a)
     };
     RenderOptions& o = a.render.options;
     o.threads = scene.threads;
-    if (given("--seed")) o.seed = scene.overrides.seed = static_cast<std::uint64_t>(a.seed);
+    if (given("--seed")) o.seed = static_cast<std::uint64_t>(a.seed);   // of the samples alone: no hill moves
     if (given("--spp")) o.spp = a.spp;
     if (given("--replicates")) o.replicates = a.replicates;
     check_bounds(a);

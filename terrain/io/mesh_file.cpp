@@ -55,7 +55,8 @@ void check_before_reading(const std::string& path, const Source& where)
 
 unsigned processing(bool smooth)
 {
-    const unsigned always = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_JoinIdenticalVertices | aiProcess_PreTransformVertices | aiProcess_RemoveComponent;
+    // Validation comes first: a face that names a vertex the file lacks would send the later steps out of bounds.
+    const unsigned always = aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_JoinIdenticalVertices | aiProcess_PreTransformVertices | aiProcess_RemoveComponent;
     return smooth ? always | aiProcess_GenSmoothNormals : always;
 }
 
