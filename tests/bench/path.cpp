@@ -135,7 +135,7 @@ nlohmann::json measure_scene(const LoadedScene& loaded, bool full)
 
     options.threads = 0;
     options.width = options.height = full ? 128 : 48;
-    options.spp = full ? 4096 : 256;
+    options.spp = full ? 1024 : 256;
     options.seed = 1;
     const Image reference = render(loaded, options);
     options.spp = 64;
