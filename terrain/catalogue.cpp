@@ -8,7 +8,8 @@
 
 #include <algorithm>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 std::span<const CatalogueEntry> catalogue()
 {

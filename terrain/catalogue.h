@@ -8,21 +8,22 @@
 #include <span>
 #include <string>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// What a factory may use beside its parameters.
 struct BuildContext {
-    std::string name;             ///< the node's name in the scene
-    std::uint64_t seed = 0;       ///< hashed from that name (or the node's own `seed`)
-    int threads = 0;              ///< 0 = all of the current TBB arena
+    std::string name;        ///< the node's name in the scene
+    std::uint64_t seed = 0;  ///< hashed from that name (or the node's own `seed`)
+    int threads = 0;         ///< 0 = all of the current TBB arena
     /// A file named in a scene -> the path to open. Confined to the declared roots; throws Error at `where` if it is outside or absent.
     std::function<std::string(const std::string& path, const Source& where)> resolve = [](const std::string& p, const Source&) { return p; };
     std::function<void(double fraction, const std::string& what)> progress;  ///< may be empty
 };
 
 struct CatalogueEntry {
-    std::string name;    ///< the `type` of a [terrain.NAME] table
-    std::string paper;   ///< key in references.bib
+    std::string name;   ///< the `type` of a [terrain.NAME] table
+    std::string paper;  ///< key in references.bib
     Schema schema;
     std::function<Shape(const Values&, const BuildContext&)> make;
 };

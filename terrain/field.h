@@ -4,10 +4,12 @@
 #include "terrain/math/interval.h"
 #include "terrain/math/vec.h"
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// An implicit function of space with proved bounds; matter is where value < 0. Pure and thread-safe. Points in metres, world space.
-class Field {
+class Field
+{
 public:
     virtual ~Field() = default;
 

@@ -7,15 +7,17 @@
 
 #include <cstdlib>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 bool processor_has(Isa isa)
 {
     __builtin_cpu_init();
     if (isa == Isa::avx512) {
-        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
-               __builtin_cpu_supports("avx512cd");
+        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
+               __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd");
     }
     return isa == Isa::avx2 ? __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") : static_cast<bool>(__builtin_cpu_supports("sse4.2"));
 }
@@ -23,7 +25,7 @@ bool processor_has(Isa isa)
 bool built_for(Isa isa)
 {
 #ifdef __AVX2__
-    return isa != Isa::sse4;   // the baseline is newer: kernels for older processors are not compiled
+    return isa != Isa::sse4;  // the baseline is newer: kernels for older processors are not compiled
 #else
     return isa == Isa::sse4 || isa == Isa::avx2 || isa == Isa::avx512;
 #endif
@@ -40,7 +42,9 @@ Isa choose()
     for (const Isa isa : {Isa::sse4, Isa::avx2, Isa::avx512}) {
         if (isa_name(isa) != forced) continue;
         if (!processor_has(isa)) throw Error(ErrorKind::scene, std::string("HOODOO_ISA=") + forced + ": this processor does not have it");
-        if (!built_for(isa)) throw Error(ErrorKind::scene, std::string("HOODOO_ISA=") + forced + ": this build starts at AVX2; configure with -DHOODOO_BASELINE=x86-64-v2");
+        if (!built_for(isa))
+            throw Error(ErrorKind::scene,
+                        std::string("HOODOO_ISA=") + forced + ": this build starts at AVX2; configure with -DHOODOO_BASELINE=x86-64-v2");
         return isa;
     }
     throw Error(ErrorKind::scene, Problem{{}, "HOODOO_ISA names no instruction set", "sse4, avx2 or avx512", forced, {}});
@@ -54,8 +58,14 @@ Isa selected_isa()
     return isa;
 }
 
-std::string isa_name(Isa isa) { return isa == Isa::avx512 ? "avx512" : isa == Isa::avx2 ? "avx2" : "sse4"; }
+std::string isa_name(Isa isa)
+{
+    return isa == Isa::avx512 ? "avx512" : isa == Isa::avx2 ? "avx2" : "sse4";
+}
 
-const char* embree_isa_option(Isa isa) { return isa == Isa::avx512 ? "isa=avx512" : isa == Isa::avx2 ? "isa=avx2" : "isa=sse4.2"; }
+const char* embree_isa_option(Isa isa)
+{
+    return isa == Isa::avx512 ? "isa=avx512" : isa == Isa::avx2 ? "isa=avx2" : "isa=sse4.2";
+}
 
 }  // namespace hoodoo

@@ -3,7 +3,8 @@
 
 #include <string>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 enum class Isa { sse4, avx2, avx512 };
 

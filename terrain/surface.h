@@ -9,7 +9,8 @@
 #include <string>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// A piece of a surface with a proved box of its own. Tiles are what an edit rebuilds; patches are what a ray meets.
 struct PatchId {
@@ -19,9 +20,9 @@ struct PatchId {
 
 /// Made while traversing: small on purpose. `t` is also the far limit of the search: start it at ray.t_max.
 struct Hit {
-    double t = kInfinity;            ///< metres along the ray
+    double t = kInfinity;  ///< metres along the ray
     PatchId patch;
-    std::uint32_t evaluations = 0;   ///< field evaluations spent so far on this ray: the cost image
+    std::uint32_t evaluations = 0;  ///< field evaluations spent so far on this ray: the cost image
 };
 
 /// Shares of the materials seen at a point. `index` counts in Surface::materials(); weights are >= 0 and sum to 1.
@@ -40,14 +41,14 @@ struct MaterialWeights {
 
 /// Everything about the winner of a ray, computed once.
 struct Interaction {
-    double t = kInfinity;          ///< metres along the ray, refined: may differ from Hit::t by its stated error
-    Vec3d position{0.0};           ///< world space, metres
-    double position_error = 0.0;   ///< the true surface crosses the ray within this distance of `position`, metres
-    double spawn_offset = 0.0;     ///< position + spawn_offset * geometric_normal is proved to lie outside, metres
+    double t = kInfinity;             ///< metres along the ray, refined: may differ from Hit::t by its stated error
+    Vec3d position{0.0};              ///< world space, metres
+    double position_error = 0.0;      ///< the true surface crosses the ray within this distance of `position`, metres
+    double spawn_offset = 0.0;        ///< position + spawn_offset * geometric_normal is proved to lie outside, metres
     Vec3d geometric_normal{0, 0, 1};  ///< unit, towards air (a mesh: towards its front side)
     Vec3d shading_normal{0, 0, 1};    ///< unit, in the hemisphere of geometric_normal
-    Vec2d uv{0.0};                 ///< surface coordinates where the representation has them, else 0
-    Vec3d texture_point{0.0};      ///< where procedural and triplanar textures are looked up (rest space), metres
+    Vec2d uv{0.0};                    ///< surface coordinates where the representation has them, else 0
+    Vec3d texture_point{0.0};         ///< where procedural and triplanar textures are looked up (rest space), metres
     MaterialWeights materials;
 };
 
@@ -64,14 +65,16 @@ struct SurfaceInfo {
 class Field;
 
 /// All functions are const, pure and thread-safe after construction.
-class Surface {
+class Surface
+{
 public:
     virtual ~Surface() = default;
 
     virtual std::uint32_t tile_count() const { return 1; }
     virtual std::uint32_t patch_count(std::uint32_t tile) const = 0;
 
-    /// Proved: contains every point at which intersect() may report a hit of this patch. World space; the caller adds what its own number format needs.
+    /// Proved: contains every point at which intersect() may report a hit of this patch. World space; the caller adds what its own number format
+    /// needs.
     virtual Box3d patch_bounds(PatchId patch) const = 0;
 
     /// Nearest crossing of the kind ray.crossing with t in (ray.t_min, hit.t). If there is one: sets hit.t and hit.patch, returns true.

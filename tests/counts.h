@@ -3,8 +3,12 @@
 
 #include <cstdlib>
 
-namespace hoodoo::testing {
+namespace hoodoo::testing
+{
 
-inline int count(int ci, int nightly) { return std::getenv("HOODOO_NIGHTLY") ? nightly : ci; }
+inline int count(int ci, int nightly)
+{
+    return std::getenv("HOODOO_NIGHTLY") ? nightly : ci;
+}
 
 }  // namespace hoodoo::testing

@@ -17,12 +17,14 @@
 #include <cmath>
 #include <vector>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 /// What the callbacks of one Embree geometry need: one tile of one surface.
 struct Part {
-    const Surface* surface = nullptr;   ///< nullptr: a triangle mesh
+    const Surface* surface = nullptr;  ///< nullptr: a triangle mesh
     std::uint32_t object = 0;
     std::uint32_t tile = 0;
     Vec3d world_origin{0.0};
@@ -31,9 +33,9 @@ struct Part {
 
 /// Travels with one query through Embree to the callbacks.
 struct Query {
-    RTCIntersectContext embree;   // must come first: Embree hands back a pointer to it
+    RTCIntersectContext embree;  // must come first: Embree hands back a pointer to it
     const Ray* ray = nullptr;
-    double shift = 0.0;           ///< Embree's ray starts this far along the caller's ray
+    double shift = 0.0;  ///< Embree's ray starts this far along the caller's ray
     Hit hit;
     std::uint32_t object = 0;
 };
@@ -104,7 +106,8 @@ Box3d mesh_bounds(const TriangleMesh& mesh)
     return box;
 }
 
-class EmbreeTracer final : public Tracer {
+class EmbreeTracer final : public Tracer
+{
 public:
     explicit EmbreeTracer(std::span<const Shape> shapes) : Tracer(shapes)
     {
@@ -112,7 +115,7 @@ public:
         device_ = rtcNewDevice(embree_isa_option(selected_isa()));
         if (!device_) throw Error(ErrorKind::internal, "Embree gives no device");
         scene_ = rtcNewScene(device_);
-        rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);   // for triangles; it changes nothing for user geometry
+        rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);  // for triangles; it changes nothing for user geometry
         try {
             count_parts();
             for (std::size_t i = 0; i < shapes_.size(); ++i) {
@@ -196,7 +199,8 @@ private:
         query.shift = enter > ray.t_min ? enter : 0.0;
         const Vec3d start = origin + ray.direction * query.shift;
         out.org_x = static_cast<float>(start.x), out.org_y = static_cast<float>(start.y), out.org_z = static_cast<float>(start.z);
-        out.dir_x = static_cast<float>(ray.direction.x), out.dir_y = static_cast<float>(ray.direction.y), out.dir_z = static_cast<float>(ray.direction.z);
+        out.dir_x = static_cast<float>(ray.direction.x), out.dir_y = static_cast<float>(ray.direction.y),
+        out.dir_z = static_cast<float>(ray.direction.z);
         out.tnear = std::max(0.0f, round_down(ray.t_min - query.shift));
         out.tfar = std::isinf(ray.t_max) ? std::numeric_limits<float>::infinity() : round_up(ray.t_max - query.shift);
         out.time = static_cast<float>(ray.time);
@@ -232,7 +236,7 @@ private:
             const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shape);
             count += surface ? (*surface)->tile_count() : 1;
         }
-        parts_.reserve(count);   // Embree keeps pointers into it
+        parts_.reserve(count);  // Embree keeps pointers into it
     }
 
     void attach(RTCGeometry geometry)
@@ -250,7 +254,8 @@ private:
             const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_USER);
             rtcSetGeometryUserPrimitiveCount(geometry, surface.patch_count(tile));
             rtcSetGeometryUserData(geometry, &parts_.back());
-            rtcSetGeometryBoundsFunction(geometry, [](const RTCBoundsFunctionArguments* args) { part_bounds(args); }, nullptr);
+            rtcSetGeometryBoundsFunction(
+                geometry, [](const RTCBoundsFunctionArguments* args) { part_bounds(args); }, nullptr);
             rtcSetGeometryIntersectFunction(geometry, part_intersect);
             rtcSetGeometryOccludedFunction(geometry, part_occluded);
             attach(geometry);
@@ -261,8 +266,8 @@ private:
     {
         parts_.push_back({nullptr, object, 0, world_origin_, padding_});
         const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-        auto* vertices = static_cast<Vec3f*>(
-            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), std::max<std::size_t>(1, mesh.vertices.size())));
+        auto* vertices = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
+                                                                     std::max<std::size_t>(1, mesh.vertices.size())));
         auto* indices = static_cast<std::array<std::uint32_t, 3>*>(rtcSetNewGeometryBuffer(
             geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), std::max<std::size_t>(1, mesh.triangles.size())));
         check(device_);
@@ -284,12 +289,15 @@ private:
     RTCScene scene_ = nullptr;
     std::vector<Part> parts_;
     Vec3d world_origin_{0.0};
-    Vec3d half_extent_{-1.0};   ///< of the scene around world_origin_; negative: an empty scene, which every ray misses
+    Vec3d half_extent_{-1.0};  ///< of the scene around world_origin_; negative: an empty scene, which every ray misses
     double padding_ = 0.0;
 };
 
 }  // namespace
 
-std::unique_ptr<Tracer> make_embree_tracer(std::span<const Shape> shapes) { return std::make_unique<EmbreeTracer>(shapes); }
+std::unique_ptr<Tracer> make_embree_tracer(std::span<const Shape> shapes)
+{
+    return std::make_unique<EmbreeTracer>(shapes);
+}
 
 }  // namespace hoodoo

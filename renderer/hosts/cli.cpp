@@ -164,7 +164,7 @@ void finish_arguments(const CLI::App& command, Arguments& a)
     };
     RenderOptions& o = a.render.options;
     o.threads = scene.threads;
-    if (given("--seed")) o.seed = static_cast<std::uint64_t>(a.seed);   // of the samples alone: no hill moves
+    if (given("--seed")) o.seed = static_cast<std::uint64_t>(a.seed);  // of the samples alone: no hill moves
     if (given("--spp")) o.spp = a.spp;
     if (given("--replicates")) o.replicates = a.replicates;
     check_bounds(a);

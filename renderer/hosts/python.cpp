@@ -15,12 +15,14 @@
 #include <limits>
 #include <mutex>
 
-namespace hoodoo::python {
+namespace hoodoo::python
+{
 
-namespace {
+namespace
+{
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kRaysAtOnce = 8192;   // well under a second, at any speed a terrain was ever traced
+constexpr std::size_t kRaysAtOnce = 8192;  // well under a second, at any speed a terrain was ever traced
 
 struct SceneHandle {
     std::shared_ptr<const LoadedScene> loaded;
@@ -55,7 +57,8 @@ SceneHandle load(const py::object& source, const py::dict& overrides, std::optio
 
 // -- render ----------------------------------------------------------------------------------------------------------
 
-ImageHandle render_image(const SceneHandle& self, std::optional<int> width, std::optional<int> height, std::optional<int> spp, int threads, std::optional<std::uint64_t> seed, const py::object& progress)
+ImageHandle render_image(const SceneHandle& self, std::optional<int> width, std::optional<int> height, std::optional<int> spp, int threads,
+                         std::optional<std::uint64_t> seed, const py::object& progress)
 {
     std::atomic<bool> cancel{false};
     std::mutex reported_mutex;
@@ -112,7 +115,8 @@ py::array_t<float> channel_array(const ImageHandle& self, const std::string& nam
 py::dict metadata_of(const ImageHandle& self)
 {
     py::dict result;
-    for (const auto& [name, value] : self.image->metadata) result[py::str(name)] = std::visit([](const auto& v) { return py::object(py::cast(v)); }, value);
+    for (const auto& [name, value] : self.image->metadata)
+        result[py::str(name)] = std::visit([](const auto& v) { return py::object(py::cast(v)); }, value);
     return result;
 }
 
@@ -134,7 +138,9 @@ struct Rays {
     Rays(Doubles o, Doubles d, double from, double to) : origins(std::move(o)), directions(std::move(d)), t_min(from), t_max(to)
     {
         const auto a = shape_of_points(origins, "origins"), b = shape_of_points(directions, "directions");
-        if (a.size() != 1 || a != b) throw Error(ErrorKind::scene, Problem{{"<python>", 0, 0, {}}, "origins and directions have wrong shapes", "both (n, 3) with the same n", {}, {}});
+        if (a.size() != 1 || a != b)
+            throw Error(ErrorKind::scene,
+                        Problem{{"<python>", 0, 0, {}}, "origins and directions have wrong shapes", "both (n, 3) with the same n", {}, {}});
         count = static_cast<std::size_t>(a[0]);
     }
 
@@ -214,11 +220,15 @@ FieldHandle field_of_object(const SceneHandle& self, const std::string& name)
 {
     const std::vector<std::string> names = object_names(self);
     const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) throw Error(ErrorKind::scene, Problem{{"<python>", 0, 0, {}}, "the scene has no terrain \"" + name + "\"", {}, {}, nearest_name(name, names)});
+    if (found == names.end())
+        throw Error(ErrorKind::scene,
+                    Problem{{"<python>", 0, 0, {}}, "the scene has no terrain \"" + name + "\"", {}, {}, nearest_name(name, names)});
     const Shape& shape = self.scene().shapes()[static_cast<std::size_t>(found - names.begin())];
     const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shape);
     const Field* field = surface ? (*surface)->field() : nullptr;
-    if (!field) throw Error(ErrorKind::scene, Problem{{"<python>", 0, 0, {}}, "the terrain \"" + name + "\" has no field", "a terrain given by an implicit function", {}, {}});
+    if (!field)
+        throw Error(ErrorKind::scene,
+                    Problem{{"<python>", 0, 0, {}}, "the terrain \"" + name + "\" has no field", "a terrain given by an implicit function", {}, {}});
     return {self.loaded, field};
 }
 
@@ -226,38 +236,56 @@ void add_image(py::module_& module)
 {
     py::class_<ImageHandle>(module, "Image", "A rendered picture: named float32 channels. Immutable; arrays stay valid after the image is gone.")
         .def_property_readonly("channels", &channel_names, "Names of the channels, as in the EXR: 'R', 'N.X', 'variance.G' ...")
-        .def_property_readonly("width", [](const ImageHandle& i) { return i.image->width; }, "Of the display window, pixels.")
-        .def_property_readonly("height", [](const ImageHandle& i) { return i.image->height; }, "Of the display window, pixels.")
-        .def_property_readonly("data_window", [](const ImageHandle& i) { return std::make_tuple(i.image->data.x0, i.image->data.x1, i.image->data.y0, i.image->data.y1); },
-                               "(x0, x1, y0, y1), half-open, y downwards: the pixels that the arrays hold.")
+        .def_property_readonly(
+            "width", [](const ImageHandle& i) { return i.image->width; }, "Of the display window, pixels.")
+        .def_property_readonly(
+            "height", [](const ImageHandle& i) { return i.image->height; }, "Of the display window, pixels.")
+        .def_property_readonly(
+            "data_window",
+            [](const ImageHandle& i) { return std::make_tuple(i.image->data.x0, i.image->data.x1, i.image->data.y0, i.image->data.y1); },
+            "(x0, x1, y0, y1), half-open, y downwards: the pixels that the arrays hold.")
         .def_property_readonly("metadata", &metadata_of, "What the EXR's header says, name -> int, float, str or list of floats.")
-        .def("__getitem__", &channel_array, py::arg("name"), "image['R'] -> float32 (h, w), read-only, row 0 on top; radiance in W/m2/sr, linear, for R, G, B. Raises KeyError.")
+        .def("__getitem__", &channel_array, py::arg("name"),
+             "image['R'] -> float32 (h, w), read-only, row 0 on top; radiance in W/m2/sr, linear, for R, G, B. Raises KeyError.")
         .def("__contains__", [](const ImageHandle& i, const std::string& name) { return i.image->find(name) != nullptr; })
         .def("__iter__", [](const ImageHandle& i) { return py::iter(py::cast(channel_names(i))); })
         .def("__len__", [](const ImageHandle& i) { return i.image->channels.size(); })
-        .def("write", &write_image, py::arg("path"), "write(path)\n\nTo .exr (linear, all channels) or .png (through the display transform). Atomic and verified. Raises hoodoo.Error.");
+        .def("write", &write_image, py::arg("path"),
+             "write(path)\n\nTo .exr (linear, all channels) or .png (through the display transform). Atomic and verified. Raises hoodoo.Error.");
 }
 
 void add_scene(py::module_& module)
 {
     py::class_<SceneHandle>(module, "Scene", "A world that can be lit and asked. Immutable, safe to use from several Python threads.")
-        .def("render", &render_image, py::arg("width") = py::none(), py::arg("height") = py::none(), py::arg("spp") = py::none(), py::arg("threads") = 0, py::arg("seed") = py::none(), py::arg("progress") = py::none(),
-             "render(width=None, height=None, spp=None, threads=0, seed=None, progress=None) -> Image\n\nwidth, height: pixels; spp: samples a pixel; None: what the scene says. threads: 0 means all. "
-             "progress: called with the fraction done, in [0, 1], from the calling thread. The picture does not depend on threads. The interpreter is free meanwhile; Ctrl-C raises KeyboardInterrupt "
+        .def("render", &render_image, py::arg("width") = py::none(), py::arg("height") = py::none(), py::arg("spp") = py::none(),
+             py::arg("threads") = 0, py::arg("seed") = py::none(), py::arg("progress") = py::none(),
+             "render(width=None, height=None, spp=None, threads=0, seed=None, progress=None) -> Image\n\nwidth, height: pixels; spp: samples a "
+             "pixel; None: what the scene says. threads: 0 means all. "
+             "progress: called with the fraction done, in [0, 1], from the calling thread. The picture does not depend on threads. The interpreter "
+             "is free meanwhile; Ctrl-C raises KeyboardInterrupt "
              "within a second. Raises hoodoo.Error.")
         .def("intersect", &intersect, py::arg("origins"), py::arg("directions"), py::arg("t_min") = 0.0, py::arg("t_max") = kInfinity,
-             "intersect(origins, directions, t_min=0, t_max=inf) -> dict of arrays\n\norigins, directions: float64 (n, 3), world space, metres; directions of any length but zero.\n"
-             "t: float64 (n,) metres, inf on a miss. position: float64 (n, 3) metres; normal, shading_normal: float64 (n, 3), unit, towards air; all nan on a miss. "
-             "object: int64 (n,), index into Scene.objects, -1 on a miss. cost: int64 (n,), field evaluations spent.\nA ray that is not finite is a miss. Raises hoodoo.Error: wrong shapes.")
+             "intersect(origins, directions, t_min=0, t_max=inf) -> dict of arrays\n\norigins, directions: float64 (n, 3), world space, metres; "
+             "directions of any length but zero.\n"
+             "t: float64 (n,) metres, inf on a miss. position: float64 (n, 3) metres; normal, shading_normal: float64 (n, 3), unit, towards air; all "
+             "nan on a miss. "
+             "object: int64 (n,), index into Scene.objects, -1 on a miss. cost: int64 (n,), field evaluations spent.\nA ray that is not finite is a "
+             "miss. Raises hoodoo.Error: wrong shapes.")
         .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_min") = 0.0, py::arg("t_max") = kInfinity,
-             "occluded(origins, directions, t_min=0, t_max=inf) -> bool (n,)\n\nWhether anything lies in the open interval (t_min, t_max), metres along each ray.")
-        .def("field", &field_of_object, py::arg("name"), "field(name) -> Field\n\nThe implicit function of a terrain of the scene. Raises hoodoo.Error: no such terrain, or one without a field.")
+             "occluded(origins, directions, t_min=0, t_max=inf) -> bool (n,)\n\nWhether anything lies in the open interval (t_min, t_max), metres "
+             "along each ray.")
+        .def("field", &field_of_object, py::arg("name"),
+             "field(name) -> Field\n\nThe implicit function of a terrain of the scene. Raises hoodoo.Error: no such terrain, or one without a field.")
         .def_property_readonly("objects", &object_names, "Names of the terrains, in the order of `object` (the objectId of a picture is one more).")
-        .def_property_readonly("materials", [](const SceneHandle& s) { return s.scene().material_names(); }, "Names of the materials.")
-        .def_property_readonly("bounds", [](const SceneHandle& s) {
-            const Box3d& b = s.scene().bounds();
-            return std::make_pair(std::make_tuple(b.min.x, b.min.y, b.min.z), std::make_tuple(b.max.x, b.max.y, b.max.z));
-        }, "((x, y, z) lowest, (x, y, z) highest), metres.");
+        .def_property_readonly(
+            "materials", [](const SceneHandle& s) { return s.scene().material_names(); }, "Names of the materials.")
+        .def_property_readonly(
+            "bounds",
+            [](const SceneHandle& s) {
+                const Box3d& b = s.scene().bounds();
+                return std::make_pair(std::make_tuple(b.min.x, b.min.y, b.min.z), std::make_tuple(b.max.x, b.max.y, b.max.z));
+            },
+            "((x, y, z) lowest, (x, y, z) highest), metres.");
 }
 
 }  // namespace
@@ -267,12 +295,16 @@ void add_scene(py::module_& module)
 PYBIND11_MODULE(hoodoo, module)
 {
     using namespace hoodoo::python;
-    module.doc() = "Hoodoo: a path tracer for terrains that height maps and meshes cannot hold. Lengths in metres, angles in radians, z up, right-handed.";
-    py::register_exception<hoodoo::Error>(module, "Error", PyExc_ValueError).attr("__doc__") = "Anything wrong with a scene, a file or an argument; its text says where, what, what was expected and what was found.";
+    module.doc() =
+        "Hoodoo: a path tracer for terrains that height maps and meshes cannot hold. Lengths in metres, angles in radians, z up, right-handed.";
+    py::register_exception<hoodoo::Error>(module, "Error", PyExc_ValueError).attr("__doc__") =
+        "Anything wrong with a scene, a file or an argument; its text says where, what, what was expected and what was found.";
     add_terrain(module);
     add_image(module);
     add_scene(module);
     module.def("load", &load, py::arg("path_or_toml_text"), py::arg("overrides") = py::dict(), py::arg("seed") = py::none(), py::arg("threads") = 0,
-               "load(path_or_toml_text, overrides={}, seed=None, threads=0) -> Scene\n\nA scene file, or the text of one (anything with a line end). overrides: {'terrain.valley.sigma': 2.0} replaces "
-               "values of the scene, {'params.x': 3} fills its [params]. threads: for building, 0 means all. Raises hoodoo.Error with every problem of the file and its place.");
+               "load(path_or_toml_text, overrides={}, seed=None, threads=0) -> Scene\n\nA scene file, or the text of one (anything with a line end). "
+               "overrides: {'terrain.valley.sigma': 2.0} replaces "
+               "values of the scene, {'params.x': 3} fills its [params]. threads: for building, 0 means all. Raises hoodoo.Error with every problem "
+               "of the file and its place.");
 }

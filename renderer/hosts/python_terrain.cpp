@@ -17,9 +17,11 @@
 #include <memory>
 #include <optional>
 
-namespace hoodoo::python {
+namespace hoodoo::python
+{
 
-namespace {
+namespace
+{
 
 using LayerTuple = std::pair<std::string, double>;
 using ColumnLists = std::vector<std::vector<std::vector<LayerTuple>>>;
@@ -56,7 +58,8 @@ std::shared_ptr<MaterialStack> stack_from(double cell, const ColumnLists& column
             for (const auto& [name, top] : row[static_cast<std::size_t>(j)]) {
                 const double units = std::nearbyint(top / quantum);
                 if (!(units >= 0.0 && units <= MaterialStack::max_top))
-                    refuse("a top of columns[" + std::to_string(i) + "][" + std::to_string(j) + "] is out of range", "0 to " + std::to_string(MaterialStack::max_top * quantum) + " m (8191 units)", std::to_string(top));
+                    refuse("a top of columns[" + std::to_string(i) + "][" + std::to_string(j) + "] is out of range",
+                           "0 to " + std::to_string(MaterialStack::max_top * quantum) + " m (8191 units)", std::to_string(top));
                 layers.push_back({material_from_name(name), static_cast<std::int32_t>(units)});
             }
         }
@@ -107,7 +110,8 @@ py::array_t<double> gradients_at(const FieldHandle& self, const Doubles& points)
     return result;
 }
 
-FieldHandle convolution_of(std::shared_ptr<MaterialStack> stack, double sigma, const std::vector<std::string>& materials, const std::string& border, double base)
+FieldHandle convolution_of(std::shared_ptr<MaterialStack> stack, double sigma, const std::vector<std::string>& materials, const std::string& border,
+                           double base)
 {
     if (!(sigma > 0.0 && std::isfinite(sigma))) refuse("sigma is out of range", "a finite number above 0 (metres)", std::to_string(sigma));
     if (border != "extend" && border != "cut") refuse("border is unknown", "\"extend\" or \"cut\"", "\"" + border + "\"");
@@ -126,7 +130,8 @@ FieldHandle field_of_row(const std::string& type, const py::kwargs& parameters)
     if (!row) {
         std::vector<std::string> names;
         for (const CatalogueEntry& entry : catalogue()) names.push_back(entry.name);
-        throw Error(ErrorKind::scene, Problem{{"<python>", 0, 0, {}}, "the catalogue has no row \"" + type + "\"", {}, {}, nearest_name(type, names)});
+        throw Error(ErrorKind::scene,
+                    Problem{{"<python>", 0, 0, {}}, "the catalogue has no row \"" + type + "\"", {}, {}, nearest_name(type, names)});
     }
     std::vector<Problem> problems;
     const Values values = check(row->schema, node_from(parameters, type), problems);
@@ -163,33 +168,47 @@ void add_terrain(py::module_& module)
 {
     py::class_<FieldHandle>(module, "Field", "An implicit function of space, negative inside matter. Immutable.")
         .def("value", &values_at, py::arg("points"),
-             "value(points) -> float64 (n,)\n\nThe function at points, float64 (n, 3) in metres, world space. Negative inside matter; its unit is the field's own (a convolution field has none "
-             "and lies in [-1, 1]). Any leading shape is kept: (3,) gives (). A point that is not finite gives nan. Raises hoodoo.Error if the last axis is not 3.")
+             "value(points) -> float64 (n,)\n\nThe function at points, float64 (n, 3) in metres, world space. Negative inside matter; its unit is "
+             "the field's own (a convolution field has none "
+             "and lies in [-1, 1]). Any leading shape is kept: (3,) gives (). A point that is not finite gives nan. Raises hoodoo.Error if the last "
+             "axis is not 3.")
         .def("gradient", &gradients_at, py::arg("points"),
-             "gradient(points) -> float64 (n, 3)\n\nIts gradient per metre at points, float64 (n, 3) in metres; it points from matter to air, and is one-sided where the function has a crease.");
+             "gradient(points) -> float64 (n, 3)\n\nIts gradient per metre at points, float64 (n, 3) in metres; it points from matter to air, and is "
+             "one-sided where the function has a crease.");
 
     py::class_<MaterialStack, std::shared_ptr<MaterialStack>>(module, "MaterialStack", "Layers of material over a grid of columns.")
-        .def(py::init(&stack_from), py::arg("cell"), py::arg("columns"), py::arg("origin") = std::array<double, 3>{0.0, 0.0, 0.0}, py::arg("unit") = py::none(),
-             "MaterialStack(cell, columns, origin=(0, 0, 0), unit=None)\n\ncell: width of a column, metres. columns[i][j]: [(material name, top), ...] from bottom to top, i along x, j along y; "
-             "top: metres above the origin. Materials: air, water, sand, bedrock, rock, soil. Below the origin there is bedrock, above the last layer air.\n"
-             "unit: the height quantum in metres, None: the highest top / 8000. Heights are ROUNDED to whole units (at most 8191 of them), equal neighbours merged.\n"
+        .def(py::init(&stack_from), py::arg("cell"), py::arg("columns"), py::arg("origin") = std::array<double, 3>{0.0, 0.0, 0.0},
+             py::arg("unit") = py::none(),
+             "MaterialStack(cell, columns, origin=(0, 0, 0), unit=None)\n\ncell: width of a column, metres. columns[i][j]: [(material name, top), "
+             "...] from bottom to top, i along x, j along y; "
+             "top: metres above the origin. Materials: air, water, sand, bedrock, rock, soil. Below the origin there is bedrock, above the last "
+             "layer air.\n"
+             "unit: the height quantum in metres, None: the highest top / 8000. Heights are ROUNDED to whole units (at most 8191 of them), equal "
+             "neighbours merged.\n"
              "Raises hoodoo.Error: an unknown material, tops that decrease or are out of range, rows of different length.")
         .def_property_readonly("columns", &columns_of, "The columns as the constructor takes them, after rounding and merging. A new list each time.")
-        .def_property_readonly("shape", [](const MaterialStack& s) { return std::make_pair(s.size().x, s.size().y); }, "Columns along x and y.")
+        .def_property_readonly(
+            "shape", [](const MaterialStack& s) { return std::make_pair(s.size().x, s.size().y); }, "Columns along x and y.")
         .def_property_readonly("cell", &MaterialStack::cell, "Width of a column, metres.")
         .def_property_readonly("unit", &MaterialStack::unit, "Height quantum, metres.")
-        .def_property_readonly("origin", [](const MaterialStack& s) { return std::make_tuple(s.origin().x, s.origin().y, s.origin().z); }, "Lower corner, metres.")
+        .def_property_readonly(
+            "origin", [](const MaterialStack& s) { return std::make_tuple(s.origin().x, s.origin().y, s.origin().z); }, "Lower corner, metres.")
         .def_property_readonly("layer_count", &MaterialStack::layer_count, "Layers of all columns, implicit base and air not counted.")
         .def_property_readonly("memory_bytes", &MaterialStack::memory_bytes, "Bytes that the stack holds in memory.");
 
-    module.def("ConvolutionField", &convolution_of, py::arg("stack"), py::arg("sigma"), py::arg("materials") = std::vector<std::string>{"sand", "bedrock"}, py::arg("border") = "extend", py::arg("base") = 0.0,
-               "ConvolutionField(stack, sigma, materials=('sand', 'bedrock'), border='extend', base=0) -> Field\n\nThe share of matter in the cube of half-width sigma (metres) against one half: "
-               "1 - V / (4 sigma^3), in [-1, 1], negative inside. border: 'extend' repeats the edge columns for ever; 'cut' ends the block at the grid, `base` metres below the origin.\n"
+    module.def("ConvolutionField", &convolution_of, py::arg("stack"), py::arg("sigma"),
+               py::arg("materials") = std::vector<std::string>{"sand", "bedrock"}, py::arg("border") = "extend", py::arg("base") = 0.0,
+               "ConvolutionField(stack, sigma, materials=('sand', 'bedrock'), border='extend', base=0) -> Field\n\nThe share of matter in the cube "
+               "of half-width sigma (metres) against one half: "
+               "1 - V / (4 sigma^3), in [-1, 1], negative inside. border: 'extend' repeats the edge columns for ever; 'cut' ends the block at the "
+               "grid, `base` metres below the origin.\n"
                "The stack is shared, not copied. Raises hoodoo.Error: sigma not above 0, an unknown material.");
     module.def("field", &field_of_row, py::arg("type"),
-               "field(type, **parameters) -> Field\n\nThe implicit function of a catalogue row, with the parameters a [terrain.NAME] table takes (see catalogue()). Raises hoodoo.Error: an unknown row or "
+               "field(type, **parameters) -> Field\n\nThe implicit function of a catalogue row, with the parameters a [terrain.NAME] table takes "
+               "(see catalogue()). Raises hoodoo.Error: an unknown row or "
                "parameter, a row that has no field.");
-    module.def("catalogue", &catalogue_rows, "catalogue() -> list of dict\n\nEvery terrain representation: name, doc, paper and parameters (name -> text, with the unit).");
+    module.def("catalogue", &catalogue_rows,
+               "catalogue() -> list of dict\n\nEvery terrain representation: name, doc, paper and parameters (name -> text, with the unit).");
 }
 
 }  // namespace hoodoo::python

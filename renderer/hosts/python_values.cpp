@@ -12,9 +12,11 @@
 #include <cmath>
 #include <future>
 
-namespace hoodoo::python {
+namespace hoodoo::python
+{
 
-namespace {
+namespace
+{
 
 constexpr int kDeepest = 64;
 
@@ -23,7 +25,10 @@ constexpr int kDeepest = 64;
     throw Error(ErrorKind::scene, Problem{{"<python>", 0, 0, {}}, what, std::move(expected), std::move(got), {}});
 }
 
-std::string type_name(const py::handle& object) { return py::str(py::type::of(object).attr("__name__")); }
+std::string type_name(const py::handle& object)
+{
+    return py::str(py::type::of(object).attr("__name__"));
+}
 
 std::string quoted(const std::string& text)
 {
@@ -110,9 +115,15 @@ std::string toml_of(const Node& node)
 
 }  // namespace
 
-Node node_from(const py::handle& object, const std::string& what) { return node_at_depth(object, what, 0); }
+Node node_from(const py::handle& object, const std::string& what)
+{
+    return node_at_depth(object, what, 0);
+}
 
-std::string toml_from(const py::handle& object, const std::string& what) { return toml_of(node_from(object, what)); }
+std::string toml_from(const py::handle& object, const std::string& what)
+{
+    return toml_of(node_from(object, what));
+}
 
 SceneOverrides overrides_from(const py::dict& overrides)
 {

@@ -14,7 +14,8 @@
 #include <string>
 #include <vector>
 
-namespace hoodoo::python {
+namespace hoodoo::python
+{
 
 namespace py = pybind11;
 
@@ -27,7 +28,8 @@ struct FieldHandle {
 /// Any array-like of float64, made contiguous.
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// bool, int, float, str, list or tuple, dict, os.PathLike, NumPy scalars and arrays -> a node whose position is "<python>". Throws Error on anything else.
+/// bool, int, float, str, list or tuple, dict, os.PathLike, NumPy scalars and arrays -> a node whose position is "<python>". Throws Error on anything
+/// else.
 Node node_from(const py::handle& object, const std::string& what);
 
 /// The same as the text of a TOML value.
@@ -39,8 +41,9 @@ SceneOverrides overrides_from(const py::dict& overrides);
 /// The last axis must be 3; throws Error that names `what` otherwise. The shape without it is what results have.
 std::vector<py::ssize_t> shape_of_points(const Doubles& points, const std::string& what);
 
-/// Runs `work` on another thread with the interpreter free, so that other Python threads run; `idle` is called in this thread, holding the interpreter,
-/// about twenty times a second. If a signal handler raises (Ctrl-C), or `idle` does, `stop` is called, the work awaited, and the exception passed on.
+/// Runs `work` on another thread with the interpreter free, so that other Python threads run; `idle` is called in this thread, holding the
+/// interpreter, about twenty times a second. If a signal handler raises (Ctrl-C), or `idle` does, `stop` is called, the work awaited, and the
+/// exception passed on.
 void run_interruptibly(const std::function<void()>& work, const std::function<void()>& stop, const std::function<void()>& idle);
 
 /// Calls chunk(begin, end) over [0, count) with the interpreter free; between chunks a signal may raise.

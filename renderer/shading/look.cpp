@@ -16,9 +16,11 @@
 #include <algorithm>
 #include <optional>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 const std::vector<std::string> kTextureSpaces = {"srgb", "lin_rec709", "acescg"};
 
@@ -34,9 +36,15 @@ Procedure procedure_for(const std::string& name)
     return i < procedure_names().size() ? static_cast<Procedure>(i) : Procedure::plain;
 }
 
-Vec3f converted(const ColorConverter& convert, const ColorValue& color) { return convert ? convert(color) : Vec3f(color.rgb); }
+Vec3f converted(const ColorConverter& convert, const ColorValue& color)
+{
+    return convert ? convert(color) : Vec3f(color.rgb);
+}
 
-Vec3f inside_unit_cube(const Vec3f& c) { return Vec3f(std::clamp(c.x, 0.0f, 1.0f), std::clamp(c.y, 0.0f, 1.0f), std::clamp(c.z, 0.0f, 1.0f)); }
+Vec3f inside_unit_cube(const Vec3f& c)
+{
+    return Vec3f(std::clamp(c.x, 0.0f, 1.0f), std::clamp(c.y, 0.0f, 1.0f), std::clamp(c.z, 0.0f, 1.0f));
+}
 
 /// Columns: what the unit colours of a linear space become.
 struct ColorMatrix {
@@ -55,12 +63,12 @@ constexpr std::array<float, 5> kRoughness = {0.0f, 0.30f, 0.30f, 0.35f, 0.40f};
 struct Settings {
     Procedure procedure = Procedure::plain;
     Palette palette{};
-    std::optional<Vec3f> mean;     ///< what a procedure's mean is scaled to
+    std::optional<Vec3f> mean;  ///< what a procedure's mean is scaled to
     float roughness = 0.0f;
     double contrast = 1.0;
     double variation = 0.0;
     double bump = 1.0;
-    double scale = 1.0;            ///< metres a repeat
+    double scale = 1.0;  ///< metres a repeat
     double exponent = 8.0;
     bool uv = false;
     std::uint64_t seed = 0;
@@ -68,7 +76,8 @@ struct Settings {
     std::unique_ptr<Texture> albedo, roughness_map, normal_map;
 };
 
-class MaterialLook final : public Look {
+class MaterialLook final : public Look
+{
 public:
     explicit MaterialLook(Settings settings) : s_(std::move(settings)) { match_mean(); }
 
@@ -86,7 +95,8 @@ public:
 
         Vec3d relief = pattern.relief;
         if (s_.normal_map) relief = projected_slopes(at, footprint);
-        a.normal = relief == Vec3d(0.0) || s_.bump == 0.0 ? at.shading_normal : bumped_normal(at.shading_normal, relief * s_.bump, at.geometric_normal);
+        a.normal =
+            relief == Vec3d(0.0) || s_.bump == 0.0 ? at.shading_normal : bumped_normal(at.shading_normal, relief * s_.bump, at.geometric_normal);
         return a;
     }
 
@@ -117,7 +127,8 @@ private:
         for (int axis = 0; axis < 3; ++axis) {
             const double share = w[static_cast<unsigned>(axis)];
             if (share == 0.0) continue;
-            const Vec3d n = Vec3d(s_.normal_map->lookup(triplanar_coordinates(at.texture_point, axis) / s_.scale, footprint / s_.scale)) * 2.0 - Vec3d(1.0);
+            const Vec3d n =
+                Vec3d(s_.normal_map->lookup(triplanar_coordinates(at.texture_point, axis) / s_.scale, footprint / s_.scale)) * 2.0 - Vec3d(1.0);
             const double up = std::max(n.z, 0.1);
             gradient += triplanar_gradient({-n.x / up, -n.y / up}, axis) * share;
         }
@@ -159,11 +170,13 @@ Settings procedural_settings(const std::string& name, Procedure procedure, const
     return s;
 }
 
-std::unique_ptr<Texture> open_texture(const Values& values, const std::string& key, TextureEncoding encoding, std::uint64_t seed, const PathResolver& resolve)
+std::unique_ptr<Texture> open_texture(const Values& values, const std::string& key, TextureEncoding encoding, std::uint64_t seed,
+                                      const PathResolver& resolve)
 {
     if (!values.has(key)) return nullptr;
     const std::string path = resolve ? resolve(values.text(key), values.where(key)) : values.text(key);
-    return std::make_unique<Texture>(path, TextureOptions{.encoding = encoding, .stochastic = values.boolean("stochastic"), .seed = seed}, values.where(key));
+    return std::make_unique<Texture>(path, TextureOptions{.encoding = encoding, .stochastic = values.boolean("stochastic"), .seed = seed},
+                                     values.where(key));
 }
 
 void add_textures(Settings& s, const Values& values, const ColorConverter& to_rendering, const PathResolver& resolve)
@@ -176,7 +189,8 @@ void add_textures(Settings& s, const Values& values, const ColorConverter& to_re
     s.albedo_matrix = matrix_from(to_rendering, space == "srgb" ? "lin_rec709" : space);
     s.roughness_map = open_texture(values, "roughness_texture", TextureEncoding::linear, s.seed, resolve);
     s.normal_map = open_texture(values, "normal_texture", TextureEncoding::linear, s.seed, resolve);
-    if (s.normal_map && s.uv) throw values.problem("normal_texture", "a normal map needs a triplanar projection", "projection = \"triplanar\"", "\"uv\"");
+    if (s.normal_map && s.uv)
+        throw values.problem("normal_texture", "a normal map needs a triplanar projection", "projection = \"triplanar\"", "\"uv\"");
 }
 
 }  // namespace
@@ -187,20 +201,69 @@ const Schema& material_schema()
         "material",
         "How a material looks. With an empty table, or none, the procedural look of its name (sand, bedrock, rock, soil), so that no file is needed.",
         {
-            {.name = "procedural", .type = ParameterType::choice, .doc = "Procedural look; default: that of the material's name, or plain if an albedo or an image is given or the name has none", .choices = procedure_names()},
-            {.name = "albedo", .type = ParameterType::color, .doc = "Colour of a plain material; of a procedural one, the mean it is scaled to", .minimum = 0.0, .maximum = 1.0},
+            {.name = "procedural",
+             .type = ParameterType::choice,
+             .doc = "Procedural look; default: that of the material's name, or plain if an albedo or an image is given or the name has none",
+             .choices = procedure_names()},
+            {.name = "albedo",
+             .type = ParameterType::color,
+             .doc = "Colour of a plain material; of a procedural one, the mean it is scaled to",
+             .minimum = 0.0,
+             .maximum = 1.0},
             {.name = "albedo_texture", .type = ParameterType::path, .doc = "Image of the albedo (EXR, TIFF, PNG, JPEG, HDR)"},
-            {.name = "colorspace", .type = ParameterType::choice, .doc = "Colour space of albedo_texture", .fallback = std::string("srgb"), .choices = kTextureSpaces},
-            {.name = "roughness", .type = ParameterType::number, .doc = "Of the rough diffuse model: standard deviation of unseen slopes; 0 is Lambert. Default: 0 for plain, 0.3 to 0.4 else", .minimum = 0.0, .maximum = 1.0},
+            {.name = "colorspace",
+             .type = ParameterType::choice,
+             .doc = "Colour space of albedo_texture",
+             .fallback = std::string("srgb"),
+             .choices = kTextureSpaces},
+            {.name = "roughness",
+             .type = ParameterType::number,
+             .doc = "Of the rough diffuse model: standard deviation of unseen slopes; 0 is Lambert. Default: 0 for plain, 0.3 to 0.4 else",
+             .minimum = 0.0,
+             .maximum = 1.0},
             {.name = "roughness_texture", .type = ParameterType::path, .doc = "Image of the roughness, its first channel, numbers as they are"},
-            {.name = "normal_texture", .type = ParameterType::path, .doc = "Tangent-space normal map, (n + 1) / 2, green upwards, numbers as they are"},
-            {.name = "scale", .type = ParameterType::length, .doc = "Size of one repeat of the images", .fallback = 4.0, .unit = "m", .minimum = 0.0, .above_minimum = true},
-            {.name = "projection", .type = ParameterType::choice, .doc = "How images are laid onto the surface", .fallback = std::string("triplanar"), .choices = {"triplanar", "uv"}},
-            {.name = "triplanar_exponent", .type = ParameterType::number, .doc = "Sharpness of the change between the three projections", .fallback = 8.0, .minimum = 1.0, .maximum = 64.0},
-            {.name = "stochastic", .type = ParameterType::boolean, .doc = "Hide the repetition of images by hashed, blended hexagonal tiles", .fallback = true},
-            {.name = "variation", .type = ParameterType::number, .doc = "Relative change of the albedo on scales of 10 to 100 m. Default: 0 for plain, 0.08 for procedural looks, 0.12 for images", .minimum = 0.0, .maximum = 1.0},
-            {.name = "contrast", .type = ParameterType::number, .doc = "Of a procedural look's colours about their mean", .fallback = 1.0, .minimum = 0.0, .maximum = 2.0},
-            {.name = "bump", .type = ParameterType::number, .doc = "Factor of the relief of a procedural look or a normal map", .fallback = 1.0, .minimum = 0.0, .maximum = 4.0},
+            {.name = "normal_texture",
+             .type = ParameterType::path,
+             .doc = "Tangent-space normal map, (n + 1) / 2, green upwards, numbers as they are"},
+            {.name = "scale",
+             .type = ParameterType::length,
+             .doc = "Size of one repeat of the images",
+             .fallback = 4.0,
+             .unit = "m",
+             .minimum = 0.0,
+             .above_minimum = true},
+            {.name = "projection",
+             .type = ParameterType::choice,
+             .doc = "How images are laid onto the surface",
+             .fallback = std::string("triplanar"),
+             .choices = {"triplanar", "uv"}},
+            {.name = "triplanar_exponent",
+             .type = ParameterType::number,
+             .doc = "Sharpness of the change between the three projections",
+             .fallback = 8.0,
+             .minimum = 1.0,
+             .maximum = 64.0},
+            {.name = "stochastic",
+             .type = ParameterType::boolean,
+             .doc = "Hide the repetition of images by hashed, blended hexagonal tiles",
+             .fallback = true},
+            {.name = "variation",
+             .type = ParameterType::number,
+             .doc = "Relative change of the albedo on scales of 10 to 100 m. Default: 0 for plain, 0.08 for procedural looks, 0.12 for images",
+             .minimum = 0.0,
+             .maximum = 1.0},
+            {.name = "contrast",
+             .type = ParameterType::number,
+             .doc = "Of a procedural look's colours about their mean",
+             .fallback = 1.0,
+             .minimum = 0.0,
+             .maximum = 2.0},
+            {.name = "bump",
+             .type = ParameterType::number,
+             .doc = "Factor of the relief of a procedural look or a normal map",
+             .fallback = 1.0,
+             .minimum = 0.0,
+             .maximum = 4.0},
         }};
     return schema;
 }
@@ -208,7 +271,9 @@ const Schema& material_schema()
 std::unique_ptr<Look> make_look(const std::string& name, const Values& values, const ColorConverter& to_rendering, const PathResolver& resolve)
 {
     const bool own_color = values.has("albedo") || values.has("albedo_texture");
-    const Procedure procedure = values.has("procedural") ? procedure_for(values.text("procedural")) : own_color ? Procedure::plain : procedure_for(name);
+    const Procedure procedure = values.has("procedural") ? procedure_for(values.text("procedural"))
+                                : own_color              ? Procedure::plain
+                                                         : procedure_for(name);
     Settings s = procedural_settings(name, procedure, to_rendering);
     add_textures(s, values, to_rendering, resolve);
     if (s.albedo) s.variation = 0.12;

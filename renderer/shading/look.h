@@ -8,7 +8,8 @@
 #include <memory>
 #include <string>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Schema of a [material.NAME] table.
 const Schema& material_schema();
@@ -18,13 +19,14 @@ using ColorConverter = std::function<Vec3f(const ColorValue&)>;
 
 /// What the light needs to know of a surface at one point. All in the rendering space.
 struct Appearance {
-    Vec3f albedo{0.5f};        ///< single-scattering albedo of the diffuse model, each channel in [0, 1]
-    float roughness = 0.0f;    ///< of the rough diffuse model, in [0, 1]; 0 is Lambert
-    Vec3d normal{0, 0, 1};     ///< unit, world space: the shading normal with bump applied, in the hemisphere of the geometric normal
+    Vec3f albedo{0.5f};      ///< single-scattering albedo of the diffuse model, each channel in [0, 1]
+    float roughness = 0.0f;  ///< of the rough diffuse model, in [0, 1]; 0 is Lambert
+    Vec3d normal{0, 0, 1};   ///< unit, world space: the shading normal with bump applied, in the hemisphere of the geometric normal
 };
 
 /// How one material of a scene looks. Immutable, thread-safe.
-class Look {
+class Look
+{
 public:
     virtual ~Look() = default;
     /// `footprint` is the width in metres that one lookup should average over.

@@ -15,9 +15,11 @@
 
 #include <algorithm>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 double smooth_step(double lo, double hi, double x)
 {
@@ -25,14 +27,18 @@ double smooth_step(double lo, double hi, double x)
     return t * t * (3.0 - 2.0 * t);
 }
 
-Vec3f mix(const Vec3f& a, const Vec3f& b, double t) { return a + (b - a) * static_cast<float>(t); }
+Vec3f mix(const Vec3f& a, const Vec3f& b, double t)
+{
+    return a + (b - a) * static_cast<float>(t);
+}
 
 /// Noise of its own seed, shifted, since all octaves vanish at the points of their lattices.
 Noise3 octave(std::uint64_t seed, const Vec3d& p)
 {
     const std::uint64_t h = mix64(seed);
     constexpr double to_unit = 1.0 / 65536.0;
-    const Vec3d shift(static_cast<double>(h & 0xffff) * to_unit, static_cast<double>((h >> 16) & 0xffff) * to_unit, static_cast<double>((h >> 32) & 0xffff) * to_unit);
+    const Vec3d shift(static_cast<double>(h & 0xffff) * to_unit, static_cast<double>((h >> 16) & 0xffff) * to_unit,
+                      static_cast<double>((h >> 32) & 0xffff) * to_unit);
     return gradient_noise(p + shift, static_cast<std::uint32_t>(h >> 32));
 }
 
@@ -61,8 +67,8 @@ struct Sum {
 
 /// One scale of bedding: beds of about `thickness`, each of a hashed tone, boundaries shifted by up to a third of it.
 struct Bed {
-    double tone = 0.0;     ///< in [-1, 1], mean 0
-    double slope = 0.0;    ///< d(tone)/dh, per metre
+    double tone = 0.0;   ///< in [-1, 1], mean 0
+    double slope = 0.0;  ///< d(tone)/dh, per metre
 };
 
 Bed bed_at(std::uint64_t seed, double h, double thickness, double footprint)
@@ -99,7 +105,7 @@ Pattern bedrock(const Palette& colors, std::uint64_t seed, const Interaction& at
     const Vec3d& p = at.texture_point;
     const double level = std::clamp(std::abs(at.shading_normal.z), 0.0, 1.0);
     const double steep = std::sqrt(1.0 - level * level);
-    const double bed_footprint = footprint * std::max(steep, 0.3);   // a level face crosses few beds
+    const double bed_footprint = footprint * std::max(steep, 0.3);  // a level face crosses few beds
 
     // The beds dip gently and undulate: the height that counts beds is z warped by low frequencies.
     Sum warp;
@@ -162,7 +168,7 @@ Ripples ripples(std::uint64_t seed, const Vec3d& p, double wavelength, double st
 {
     const double kept = kept_share(wavelength, 1.5 * footprint);
     Ripples r;
-    r.lost = (1.0 - kept * kept) * steepness * steepness * 0.56;   // mean square of cos + 0.35 cos 2x
+    r.lost = (1.0 - kept * kept) * steepness * steepness * 0.56;  // mean square of cos + 0.35 cos 2x
     if (kept == 0.0) return r;
 
     // The phase is a distance across the crests, bent by noise: it stays a gradient field, so crests join and fork.
@@ -247,12 +253,14 @@ Pattern soil(const Palette& colors, std::uint64_t seed, const Interaction& at, d
     return {t < 0.0 ? mix(colors[0], colors[1], std::min(-t, 1.0)) : mix(colors[0], colors[2], std::min(t, 1.0)), crumbs.gradient, crumbs.lost};
 }
 
-// Reflectances in linear Rec.709, chosen by eye within what is measured for such materials: sandstone 0.1 to 0.6, dry sand 0.3 to 0.5, soil 0.1 to 0.2.
+// Reflectances in linear Rec.709, chosen by eye within what is measured for such materials: sandstone 0.1 to 0.6, dry sand 0.3 to 0.5, soil 0.1 to
+// 0.2.
 constexpr std::size_t kProcedures = 5;
 const std::array<Palette, kProcedures> kPalettes = {{
     {Vec3f(0.5f), Vec3f(0.5f), Vec3f(0.5f), Vec3f(0.5f), Vec3f(0.5f)},
     {Vec3f(0.46f, 0.315f, 0.185f), Vec3f(0.56f, 0.425f, 0.28f), Vec3f(0.37f, 0.215f, 0.112f), Vec3f(0.5f), Vec3f(0.5f)},
-    {Vec3f(0.275f, 0.115f, 0.062f), Vec3f(0.43f, 0.205f, 0.108f), Vec3f(0.54f, 0.325f, 0.165f), Vec3f(0.60f, 0.445f, 0.285f), Vec3f(0.105f, 0.064f, 0.046f)},
+    {Vec3f(0.275f, 0.115f, 0.062f), Vec3f(0.43f, 0.205f, 0.108f), Vec3f(0.54f, 0.325f, 0.165f), Vec3f(0.60f, 0.445f, 0.285f),
+     Vec3f(0.105f, 0.064f, 0.046f)},
     {Vec3f(0.265f, 0.235f, 0.20f), Vec3f(0.15f, 0.13f, 0.112f), Vec3f(0.40f, 0.365f, 0.315f), Vec3f(0.43f, 0.44f, 0.33f), Vec3f(0.45f, 0.25f, 0.07f)},
     {Vec3f(0.165f, 0.108f, 0.068f), Vec3f(0.10f, 0.064f, 0.04f), Vec3f(0.25f, 0.175f, 0.115f), Vec3f(0.5f), Vec3f(0.5f)},
 }};
@@ -265,18 +273,29 @@ const std::vector<std::string>& procedure_names()
     return names;
 }
 
-const Palette& procedure_palette(Procedure procedure) { return kPalettes[static_cast<std::size_t>(procedure)]; }
+const Palette& procedure_palette(Procedure procedure)
+{
+    return kPalettes[static_cast<std::size_t>(procedure)];
+}
 
-double kept_share(double wavelength, double footprint) { return smooth_step(2.0, 4.0, wavelength / std::max(footprint, 1e-12)); }
+double kept_share(double wavelength, double footprint)
+{
+    return smooth_step(2.0, 4.0, wavelength / std::max(footprint, 1e-12));
+}
 
 Pattern evaluate_procedure(Procedure procedure, const Palette& palette, std::uint64_t seed, const Interaction& at, double footprint)
 {
     switch (procedure) {
-    case Procedure::sand: return sand(palette, seed, at, footprint);
-    case Procedure::bedrock: return bedrock(palette, seed, at, footprint);
-    case Procedure::rock: return rock(palette, seed, at, footprint);
-    case Procedure::soil: return soil(palette, seed, at, footprint);
-    case Procedure::plain: break;
+        case Procedure::sand:
+            return sand(palette, seed, at, footprint);
+        case Procedure::bedrock:
+            return bedrock(palette, seed, at, footprint);
+        case Procedure::rock:
+            return rock(palette, seed, at, footprint);
+        case Procedure::soil:
+            return soil(palette, seed, at, footprint);
+        case Procedure::plain:
+            break;
     }
     return {palette[0], Vec3d(0.0), 0.0};
 }

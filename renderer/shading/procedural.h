@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 enum class Procedure : std::uint8_t { plain, sand, bedrock, rock, soil };
 
@@ -23,8 +24,8 @@ const Palette& procedure_palette(Procedure procedure);
 
 struct Pattern {
     Vec3f albedo{0.5f};
-    Vec3d relief{0.0};            ///< gradient of the height along the normal, per metre, world space
-    double lost_variance = 0.0;   ///< variance of the slopes of relief that the footprint was too wide to show
+    Vec3d relief{0.0};           ///< gradient of the height along the normal, per metre, world space
+    double lost_variance = 0.0;  ///< variance of the slopes of relief that the footprint was too wide to show
 };
 
 /// Pure. `footprint` in metres: every detail of wavelength under twice the footprint is replaced by its mean.

@@ -3,12 +3,11 @@
 // Tiling (Mikkelsen2022, Heitz2018): the plane is cut into triangles; each corner shifts the image by a hashed offset; a lookup blends the three
 // shifted images with weights w (barycentric, cubed, normalised) and keeps the image's variance:
 //     c = mean + sum_i w_i (c_i - mean) / sqrt(sum_i w_i^2).
-// Deviations: no histogram transform (Heitz2018), so that a blend of very skewed colours can leave [0, 1] (the look clamps); no rotation of tiles, since
-// rock and ripples have a direction.
-// Filtering: the width of the footprint is given as explicit derivatives; MIP levels are those of the file, or made by the cache. Averages must be of
-// linear numbers, so an sRGB image is read through an adaptor that undoes the curve (IEC 61966-2-1) and shows the cache the finest level alone.
-// Safety: formats are whitelisted, sizes checked against the file's own bytes before anything is allocated, and every pixel is read once here, so
-// that a truncated file is an error before the first ray and not a hole in the picture.
+// Deviations: no histogram transform (Heitz2018), so that a blend of very skewed colours can leave [0, 1] (the look clamps); no rotation of tiles,
+// since rock and ripples have a direction. Filtering: the width of the footprint is given as explicit derivatives; MIP levels are those of the file,
+// or made by the cache. Averages must be of linear numbers, so an sRGB image is read through an adaptor that undoes the curve (IEC 61966-2-1) and
+// shows the cache the finest level alone. Safety: formats are whitelisted, sizes checked against the file's own bytes before anything is allocated,
+// and every pixel is read once here, so that a truncated file is an error before the first ray and not a hole in the picture.
 
 #include "renderer/shading/texture.h"
 
@@ -24,9 +23,11 @@
 #include <cctype>
 #include <filesystem>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 constexpr int kLargestSide = 16384;
 constexpr int kMostChannels = 8;
@@ -36,10 +37,14 @@ constexpr int kRowsAtOnce = 64;
 const std::vector<std::string> kEndings = {".exr", ".tif", ".tiff", ".tx", ".png", ".jpg", ".jpeg", ".hdr"};
 const std::vector<std::string> kFormats = {"openexr", "tiff", "png", "jpeg", "hdr"};
 
-float linear_from_srgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
+float linear_from_srgb(float v)
+{
+    return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+}
 
 /// The file as half floats with the sRGB curve undone. The cache makes one, by name, whenever it opens the file.
-class LinearInput final : public OIIO::ImageInput {
+class LinearInput final : public OIIO::ImageInput
+{
 public:
     const char* format_name() const override { return "linear"; }
 
@@ -59,7 +64,7 @@ public:
         m_spec = file_->spec();
         m_spec.set_format(OIIO::TypeDesc::HALF);
         m_spec.channelformats.clear();
-        m_spec.erase_attribute("textureformat");   // with it the cache would take the one level for all there is to want
+        m_spec.erase_attribute("textureformat");  // with it the cache would take the one level for all there is to want
         return true;
     }
     int current_subimage() const override { return 0; }
@@ -80,7 +85,9 @@ public:
         const auto end = [](int from, int size, int begin, int extent) { return std::min(from + size, begin + extent); };
         const int x1 = end(x, m_spec.tile_width, m_spec.x, m_spec.width), y1 = end(y, m_spec.tile_height, m_spec.y, m_spec.height);
         const auto pixel = static_cast<OIIO::stride_t>(sizeof(float)) * m_spec.nchannels;
-        if (!file_->read_tiles(0, miplevel, x, x1, y, y1, z, z + 1, 0, m_spec.nchannels, OIIO::TypeDesc::FLOAT, tile.data(), pixel, pixel * m_spec.tile_width)) return false;
+        if (!file_->read_tiles(0, miplevel, x, x1, y, y1, z, z + 1, 0, m_spec.nchannels, OIIO::TypeDesc::FLOAT, tile.data(), pixel,
+                               pixel * m_spec.tile_width))
+            return false;
         store(tile, data);
         return true;
     }
@@ -105,19 +112,24 @@ std::unique_ptr<OIIO::ImageInput> open_checked(const std::string& path, const So
 {
     std::string ending = std::filesystem::path(path).extension().string();
     std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (std::find(kEndings.begin(), kEndings.end(), ending) == kEndings.end()) fail(path, where, "has an unknown format", ".exr, .tif, .tx, .png, .jpg or .hdr", "\"" + ending + "\"");
+    if (std::find(kEndings.begin(), kEndings.end(), ending) == kEndings.end())
+        fail(path, where, "has an unknown format", ".exr, .tif, .tx, .png, .jpg or .hdr", "\"" + ending + "\"");
     std::error_code failed;
     if (!std::filesystem::is_regular_file(path, failed)) fail(path, where, "cannot be read", "a regular file");
     const auto bytes = static_cast<double>(std::filesystem::file_size(path, failed));
 
     auto file = OIIO::ImageInput::open(path);
     if (!file) fail(path, where, "cannot be read", {}, OIIO::geterror());
-    if (std::find(kFormats.begin(), kFormats.end(), file->format_name()) == kFormats.end()) fail(path, where, "is not what its ending says", "EXR, TIFF, PNG, JPEG or HDR", file->format_name());
+    if (std::find(kFormats.begin(), kFormats.end(), file->format_name()) == kFormats.end())
+        fail(path, where, "is not what its ending says", "EXR, TIFF, PNG, JPEG or HDR", file->format_name());
     const OIIO::ImageSpec& spec = file->spec();
-    const std::string size = std::to_string(spec.width) + " x " + std::to_string(spec.height) + " x " + std::to_string(spec.depth) + " pixels, " + std::to_string(spec.nchannels) + " channels";
-    if (spec.width < 1 || spec.height < 1 || spec.depth != 1 || spec.deep || spec.width > kLargestSide || spec.height > kLargestSide || spec.nchannels < 1 || spec.nchannels > kMostChannels)
+    const std::string size = std::to_string(spec.width) + " x " + std::to_string(spec.height) + " x " + std::to_string(spec.depth) + " pixels, " +
+                             std::to_string(spec.nchannels) + " channels";
+    if (spec.width < 1 || spec.height < 1 || spec.depth != 1 || spec.deep || spec.width > kLargestSide || spec.height > kLargestSide ||
+        spec.nchannels < 1 || spec.nchannels > kMostChannels)
         fail(path, where, "has a size that is not allowed", "a flat image of at most 16384 x 16384 pixels and 8 channels", size);
-    if (static_cast<double>(spec.image_bytes(true)) > kBestCompression * bytes) fail(path, where, "claims more pixels than its bytes can hold", {}, size);
+    if (static_cast<double>(spec.image_bytes(true)) > kBestCompression * bytes)
+        fail(path, where, "claims more pixels than its bytes can hold", {}, size);
     file->threads(1);
     return file;
 }
@@ -126,7 +138,9 @@ std::unique_ptr<OIIO::ImageInput> open_checked(const std::string& path, const So
 bool read_rows(OIIO::ImageInput& file, const OIIO::ImageSpec& spec, int level, int y0, int y1, std::vector<float>& rows)
 {
     rows.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(y1 - y0) * static_cast<std::size_t>(spec.nchannels));
-    if (spec.tile_width) return file.read_tiles(0, level, spec.x, spec.x + spec.width, y0, y1, spec.z, spec.z + 1, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, rows.data());
+    if (spec.tile_width)
+        return file.read_tiles(0, level, spec.x, spec.x + spec.width, y0, y1, spec.z, spec.z + 1, 0, spec.nchannels, OIIO::TypeDesc::FLOAT,
+                               rows.data());
     return file.read_scanlines(0, level, y0, y1, spec.z, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, rows.data());
 }
 
@@ -140,7 +154,8 @@ Vec3f verified_mean(OIIO::ImageInput& file, const std::string& path, TextureEnco
         const OIIO::ImageSpec spec = file.spec();
         const int step = spec.tile_height ? spec.tile_height : kRowsAtOnce;
         for (int y = spec.y; y < spec.y + spec.height; y += step) {
-            if (!read_rows(file, spec, level, y, std::min(y + step, spec.y + spec.height), rows)) fail(path, where, "cannot be read to its end", {}, file.geterror());
+            if (!read_rows(file, spec, level, y, std::min(y + step, spec.y + spec.height), rows))
+                fail(path, where, "cannot be read to its end", {}, file.geterror());
             const auto channels = static_cast<std::size_t>(spec.nchannels);
             for (std::size_t i = 0; i < rows.size(); i += channels)
                 for (unsigned c = 0; c < 3; ++c) {
@@ -151,14 +166,14 @@ Vec3f verified_mean(OIIO::ImageInput& file, const std::string& path, TextureEnco
             if (level == 0) pixels += static_cast<double>(rows.size() / channels);
         }
     }
-    static_cast<void>(file.geterror());   // the level after the last was refused, as it should
+    static_cast<void>(file.geterror());  // the level after the last was refused, as it should
     return Vec3f(sum / pixels);
 }
 
 }  // namespace
 
 struct Texture::Files {
-    OIIO::TextureSystem* system = OIIO::TextureSystem::create(false);   // ours alone: a host may use the shared one
+    OIIO::TextureSystem* system = OIIO::TextureSystem::create(false);  // ours alone: a host may use the shared one
     OIIO::TextureSystem::TextureHandle* handle = nullptr;
     int channels = 3;
     ~Files() { OIIO::TextureSystem::destroy(system, true); }
@@ -196,13 +211,15 @@ Vec3f Texture::filtered(const Vec2d& at, double footprint) const
     const auto s = static_cast<float>(at.x - std::floor(at.x)), t = static_cast<float>(1.0 - (at.y - std::floor(at.y)));
     const auto width = static_cast<float>(footprint);
     Vec3f color(0.0f);
-    if (!files_->system->texture(files_->handle, files_->system->get_perthread_info(), how, s, t, width, 0.0f, 0.0f, width, files_->channels, &color.x)) return mean_;
+    if (!files_->system->texture(files_->handle, files_->system->get_perthread_info(), how, s, t, width, 0.0f, 0.0f, width, files_->channels,
+                                 &color.x))
+        return mean_;
     return files_->channels == 1 ? Vec3f(color.x) : color;
 }
 
 Vec3f Texture::lookup(const Vec2d& at, double footprint) const
 {
-    if (footprint >= 1.0) return mean_;   // one repeat or more: its coarsest level
+    if (footprint >= 1.0) return mean_;  // one repeat or more: its coarsest level
     if (!options_.stochastic) return filtered(at, footprint);
 
     // Triangles with two to a repeat along each axis: barycentric coordinates in the skewed lattice.
@@ -221,7 +238,8 @@ Vec3f Texture::lookup(const Vec2d& at, double footprint) const
     Vec3f deviation(0.0f);
     for (std::size_t k = 0; k < 3; ++k) {
         if (w[k] == 0.0) continue;
-        const std::uint64_t h = hash_cell(options_.seed, static_cast<std::int64_t>(bx) + corners[k][0], static_cast<std::int64_t>(by) + corners[k][1]);
+        const std::uint64_t h =
+            hash_cell(options_.seed, static_cast<std::int64_t>(bx) + corners[k][0], static_cast<std::int64_t>(by) + corners[k][1]);
         const Vec2d offset(unit_real(h), unit_real(mix64(h)));
         deviation += (filtered(at + offset, footprint) - mean_) * static_cast<float>(w[k] / sum);
     }

@@ -7,31 +7,34 @@
 #include <memory>
 #include <string>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// What the numbers of the file mean before anything averages them.
 enum class TextureEncoding : std::uint8_t {
-    linear,   ///< as they are
-    srgb,     ///< the sRGB curve is undone before filtering; the primaries stay those of the file
+    linear,  ///< as they are
+    srgb,    ///< the sRGB curve is undone before filtering; the primaries stay those of the file
 };
 
 struct TextureOptions {
     TextureEncoding encoding = TextureEncoding::linear;
-    bool stochastic = true;   ///< break up the repetition (hex tiling); off: the plain periodic image
+    bool stochastic = true;  ///< break up the repetition (hex tiling); off: the plain periodic image
     std::uint64_t seed = 0;
 };
 
 /// Immutable, thread-safe; lookups neither throw nor touch the disk's errors: all that can be wrong with the file is found when it is opened.
-class Texture {
+class Texture
+{
 public:
-    /// Throws Error (file) at `where`: absent, not EXR, TIFF, PNG, JPEG or HDR, more than 16384 pixels wide or high, claiming far more pixels than its bytes can hold, truncated, corrupt.
+    /// Throws Error (file) at `where`: absent, not EXR, TIFF, PNG, JPEG or HDR, more than 16384 pixels wide or high, claiming far more pixels than
+    /// its bytes can hold, truncated, corrupt.
     Texture(const std::string& path, const TextureOptions& options, const Source& where);
     ~Texture();
     Texture(const Texture&) = delete;
     Texture& operator=(const Texture&) = delete;
 
-    /// The image averaged over a square of width `footprint` around `at`; both in repeats: (0, 0) to (1, 1) is the image, `at.y` upwards, so (0, 1) is
-    /// its upper left corner. A grey image fills three channels.
+    /// The image averaged over a square of width `footprint` around `at`; both in repeats: (0, 0) to (1, 1) is the image, `at.y` upwards, so (0, 1)
+    /// is its upper left corner. A grey image fills three channels.
     Vec3f lookup(const Vec2d& at, double footprint) const;
 
     /// The mean of the whole image.

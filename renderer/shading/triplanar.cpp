@@ -10,13 +10,15 @@
 
 #include <algorithm>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 Vec3d triplanar_weights(const Vec3d& n, double exponent)
 {
     // Dividing by the largest component first keeps a large exponent from underflowing to 0 / 0.
     const double largest = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
-    const Vec3d w(std::pow(std::abs(n.x) / largest, exponent), std::pow(std::abs(n.y) / largest, exponent), std::pow(std::abs(n.z) / largest, exponent));
+    const Vec3d w(std::pow(std::abs(n.x) / largest, exponent), std::pow(std::abs(n.y) / largest, exponent),
+                  std::pow(std::abs(n.z) / largest, exponent));
     return w / (w.x + w.y + w.z);
 }
 
@@ -30,7 +32,7 @@ Vec3d triplanar_lookup_weights(const Vec3d& n, double exponent)
 
 Vec3d bumped_normal(const Vec3d& n, const Vec3d& g, const Vec3d& geometric)
 {
-    constexpr double lowest_cosine = 0.05;   // about 87 degrees: beyond it almost no light could reach the surface
+    constexpr double lowest_cosine = 0.05;  // about 87 degrees: beyond it almost no light could reach the surface
     Vec3d bumped = (n - (g - n * n.dot(g))).normalized();
     const double cosine = bumped.dot(geometric);
     if (cosine < lowest_cosine) {

@@ -5,7 +5,8 @@
 
 #include <array>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Shares of the projections along x, y, z; each in [0, 1], their sum is 1. `n` need not be a unit vector, but not zero; exponent >= 1.
 Vec3d triplanar_weights(const Vec3d& n, double exponent);
@@ -20,7 +21,8 @@ constexpr std::array<std::array<int, 2>, 3> kTriplanarAxes = {{{1, 2}, {0, 2}, {
 /// Coordinates of `p` in that plane, metres, not mirrored anywhere: `second` grows with z on upright planes, so textures stand upright.
 inline Vec2d triplanar_coordinates(const Vec3d& p, int axis)
 {
-    return {p[static_cast<unsigned>(kTriplanarAxes[static_cast<std::size_t>(axis)][0])], p[static_cast<unsigned>(kTriplanarAxes[static_cast<std::size_t>(axis)][1])]};
+    return {p[static_cast<unsigned>(kTriplanarAxes[static_cast<std::size_t>(axis)][0])],
+            p[static_cast<unsigned>(kTriplanarAxes[static_cast<std::size_t>(axis)][1])]};
 }
 
 /// Slopes of a height map over that plane (height per metre along its two axes) as a gradient in world space. Needs no tangent frame and no

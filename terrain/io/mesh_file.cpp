@@ -17,14 +17,17 @@
 #include <cctype>
 #include <filesystem>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 constexpr std::uintmax_t kLargestFile = 2ull << 30;
 const std::vector<std::string> kEndings = {".ply", ".obj", ".stl"};
 
-class OneFile final : public Assimp::DefaultIOSystem {
+class OneFile final : public Assimp::DefaultIOSystem
+{
 public:
     explicit OneFile(std::string path) : path_(std::move(path)) {}
     bool Exists(const char* file) const override { return path_ == file; }
@@ -46,7 +49,8 @@ void check_before_reading(const std::string& path, const Source& where)
 {
     std::string ending = std::filesystem::path(path).extension().string();
     std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (std::find(kEndings.begin(), kEndings.end(), ending) == kEndings.end()) fail(where, "mesh \"" + path + "\" has an unknown format", ".ply, .obj or .stl", "\"" + ending + "\"");
+    if (std::find(kEndings.begin(), kEndings.end(), ending) == kEndings.end())
+        fail(where, "mesh \"" + path + "\" has an unknown format", ".ply, .obj or .stl", "\"" + ending + "\"");
     std::error_code failed;
     if (!std::filesystem::is_regular_file(path, failed)) fail(where, "mesh \"" + path + "\" cannot be read", "a regular file");
     const std::uintmax_t bytes = std::filesystem::file_size(path, failed);
@@ -56,15 +60,19 @@ void check_before_reading(const std::string& path, const Source& where)
 unsigned processing(bool smooth)
 {
     // Validation comes first: a face that names a vertex the file lacks would send the later steps out of bounds.
-    const unsigned always = aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_JoinIdenticalVertices | aiProcess_PreTransformVertices | aiProcess_RemoveComponent;
+    const unsigned always = aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_JoinIdenticalVertices |
+                            aiProcess_PreTransformVertices | aiProcess_RemoveComponent;
     return smooth ? always | aiProcess_GenSmoothNormals : always;
 }
 
-Vec3f turned(const aiVector3D& v, bool y_up) { return y_up ? Vec3f(v.x, -v.z, v.y) : Vec3f(v.x, v.y, v.z); }
+Vec3f turned(const aiVector3D& v, bool y_up)
+{
+    return y_up ? Vec3f(v.x, -v.z, v.y) : Vec3f(v.x, v.y, v.z);
+}
 
 void append(const aiMesh& part, const MeshFileOptions& options, TriangleMesh& mesh)
 {
-    if (!(part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE)) return;   // the triangulator adds a flag
+    if (!(part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE)) return;  // the triangulator adds a flag
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (unsigned v = 0; v < part.mNumVertices; ++v) {
         mesh.vertices.push_back(turned(part.mVertices[v], options.y_up));
@@ -104,7 +112,9 @@ void check_after_reading(const TriangleMesh& mesh, const std::string& path, cons
         if (!is_finite(Vec3d(v))) fail(where, "mesh \"" + path + "\" has a vertex that is not finite");
     for (const auto& t : mesh.triangles)
         for (const std::uint32_t v : t)
-            if (v >= mesh.vertices.size()) fail(where, "mesh \"" + path + "\" names a vertex it does not have", "less than " + std::to_string(mesh.vertices.size()), std::to_string(v));
+            if (v >= mesh.vertices.size())
+                fail(where, "mesh \"" + path + "\" names a vertex it does not have", "less than " + std::to_string(mesh.vertices.size()),
+                     std::to_string(v));
 }
 
 }  // namespace
@@ -113,9 +123,10 @@ TriangleMesh read_mesh_file(const std::string& path, const MeshFileOptions& opti
 {
     check_before_reading(path, where);
     Assimp::Importer importer;
-    importer.SetIOHandler(new OneFile(path));   // the importer deletes it
+    importer.SetIOHandler(new OneFile(path));  // the importer deletes it
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    int removed = aiComponent_COLORS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS | aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS | aiComponent_MATERIALS;
+    int removed = aiComponent_COLORS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS | aiComponent_TEXTURES |
+                  aiComponent_LIGHTS | aiComponent_CAMERAS | aiComponent_MATERIALS;
     if (!options.smooth) removed |= aiComponent_NORMALS;
     importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, removed);
     const aiScene* scene = importer.ReadFile(path, processing(options.smooth));

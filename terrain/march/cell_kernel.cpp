@@ -20,8 +20,10 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace hoodoo {
-namespace HWY_NAMESPACE {
+namespace hoodoo
+{
+namespace HWY_NAMESPACE
+{
 namespace hn = hwy::HWY_NAMESPACE;
 
 using D = hn::CappedTag<float, 16>;
@@ -40,7 +42,10 @@ struct Corners {
     V low[4], high[4];
 };
 
-HWY_INLINE VI load_bytes(const std::uint8_t* from) { return hn::PromoteTo(DI(), hn::LoadU(D8(), from)); }
+HWY_INLINE VI load_bytes(const std::uint8_t* from)
+{
+    return hn::PromoteTo(DI(), hn::LoadU(D8(), from));
+}
 
 HWY_INLINE void decode_level(const CompactCluster& c, std::size_t lane, V* value)
 {
@@ -126,9 +131,11 @@ HWY_INLINE std::uint32_t filter(const Cluster& cluster, double z_base, const Fil
         V t_in = hn::Set(d, ray.t_lo), t_out = hn::Set(d, ray.t_hi);
         clip(hn::Sub(hn::Set(d, -kWidenCell), x), hn::Sub(hn::Set(d, 1.0f + kWidenCell), x), hn::Set(d, ray.inverse[0]), t_in, t_out);
         clip(hn::Sub(hn::Set(d, -kWidenCell), y), hn::Sub(hn::Set(d, 1.0f + kWidenCell), y), hn::Set(d, ray.inverse[1]), t_in, t_out);
-        clip(hn::Sub(hn::Sub(corner.z0, hn::Set(d, kWidenUnit)), z), hn::Sub(hn::Add(corner.z1, hn::Set(d, kWidenUnit)), z), hn::Set(d, ray.inverse[2]), t_in,
-             t_out);
-        const auto met = hn::And(hn::Le(t_in, t_out), hn::RebindMask(d, hn::Ne(hn::And(hn::Set(di, static_cast<std::int32_t>(cluster.slabs)), hn::Shl(hn::Set(di, 1), index)), hn::Zero(di))));
+        clip(hn::Sub(hn::Sub(corner.z0, hn::Set(d, kWidenUnit)), z), hn::Sub(hn::Add(corner.z1, hn::Set(d, kWidenUnit)), z),
+             hn::Set(d, ray.inverse[2]), t_in, t_out);
+        const auto met = hn::And(
+            hn::Le(t_in, t_out),
+            hn::RebindMask(d, hn::Ne(hn::And(hn::Set(di, static_cast<std::int32_t>(cluster.slabs)), hn::Shl(hn::Set(di, 1), index)), hn::Zero(di))));
         if (hn::AllFalse(d, met)) continue;
 
         // Value and slope at both ends.
@@ -170,25 +177,36 @@ HWY_INLINE std::uint32_t filter(const Cluster& cluster, double z_base, const Fil
     return found;
 }
 
-std::uint32_t filter_compact(const CompactCluster& c, const FilterRay& ray, float* t_in, int& met) { return filter(c, 0.0, ray, t_in, met); }
-std::uint32_t filter_wide(const WideCluster& c, double z_base, const FilterRay& ray, float* t_in, int& met) { return filter(c, z_base, ray, t_in, met); }
+std::uint32_t filter_compact(const CompactCluster& c, const FilterRay& ray, float* t_in, int& met)
+{
+    return filter(c, 0.0, ray, t_in, met);
+}
+std::uint32_t filter_wide(const WideCluster& c, double z_base, const FilterRay& ray, float* t_in, int& met)
+{
+    return filter(c, z_base, ray, t_in, met);
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace hoodoo
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace hoodoo {
+namespace hoodoo
+{
 
 CellFilter cell_filter()
 {
     switch (selected_isa()) {
-        case Isa::avx512: return {N_AVX3::filter_compact, N_AVX3::filter_wide};
-        case Isa::avx2: return {N_AVX2::filter_compact, N_AVX2::filter_wide};
+        case Isa::avx512:
+            return {N_AVX3::filter_compact, N_AVX3::filter_wide};
+        case Isa::avx2:
+            return {N_AVX2::filter_compact, N_AVX2::filter_wide};
 #ifndef __AVX2__
-        case Isa::sse4: return {N_SSE4::filter_compact, N_SSE4::filter_wide};
+        case Isa::sse4:
+            return {N_SSE4::filter_compact, N_SSE4::filter_wide};
 #else
-        case Isa::sse4: break;   // selected_isa() refuses it in this build
+        case Isa::sse4:
+            break;  // selected_isa() refuses it in this build
 #endif
     }
     return {N_AVX2::filter_compact, N_AVX2::filter_wide};

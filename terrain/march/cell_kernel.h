@@ -3,13 +3,14 @@
 
 #include "terrain/march/cluster.h"
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// A ray in the frame of one cluster: its corner is the origin, `t` is metres from a point of the ray near the cluster.
 struct FilterRay {
     float origin[3], direction[3], inverse[3];
     float t_lo, t_hi;
-    float tolerance;   ///< of F: above what single precision loses
+    float tolerance;  ///< of F: above what single precision loses
     bool entering;
 };
 

@@ -13,8 +13,10 @@
 
 #include <sys/mman.h>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 constexpr std::size_t kLevels = 16;
 constexpr int kCells = 4;
@@ -22,7 +24,7 @@ constexpr double kCompactHeight = 255.0;
 
 struct Piece {
     const Chain* chain;
-    Vec3d lo, hi;   ///< lattice coordinates
+    Vec3d lo, hi;  ///< lattice coordinates
 };
 
 std::array<double, 8> corner_values(const Level& lower, const Level& upper, double delta)
@@ -79,9 +81,13 @@ struct Extent {
     }
 };
 
-class Grouper {
+class Grouper
+{
 public:
-    Grouper(const Lattice& lattice, int a0, int b0, ClusterList& out) : lattice_(lattice), a0_(a0), b0_(b0), out_(out), scale_(lattice.cell, lattice.cell, lattice.unit) {}
+    Grouper(const Lattice& lattice, int a0, int b0, ClusterList& out)
+        : lattice_(lattice), a0_(a0), b0_(b0), out_(out), scale_(lattice.cell, lattice.cell, lattice.unit)
+    {
+    }
 
     void group(std::vector<Piece>& pieces, std::size_t first, std::size_t last)
     {
@@ -131,7 +137,9 @@ private:
             for (int k = 0; k < 3; ++k) lo[k] = std::min(lo[k], middle(pieces[i], k)), hi[k] = std::max(hi[k], middle(pieces[i], k));
         double best = kInfinity;
         int best_axis = -1, best_bin = 0;
-        const auto bin_of = [&](const Piece& p, int k) { return std::min(bins - 1, static_cast<int>((middle(p, k) - lo[k]) / (hi[k] - lo[k]) * bins)); };
+        const auto bin_of = [&](const Piece& p, int k) {
+            return std::min(bins - 1, static_cast<int>((middle(p, k) - lo[k]) / (hi[k] - lo[k]) * bins));
+        };
         for (int axis = 0; axis < 3; ++axis) {
             if (!(hi[axis] > lo[axis])) continue;
             std::array<Extent, bins> bin;
@@ -297,10 +305,11 @@ ClusterMemory::ClusterMemory(std::span<const ClusterList> lists, std::span<CellT
     const std::size_t size = (bytes_ + alignment - 1) / alignment * alignment;
     block_.reset(static_cast<std::byte*>(std::aligned_alloc(alignment, size)));
     if (!block_) throw std::bad_alloc();
-    if (alignment == page) madvise(block_.get(), size, MADV_HUGEPAGE);   // a wish: refused, nothing but speed is lost
+    if (alignment == page) madvise(block_.get(), size, MADV_HUGEPAGE);  // a wish: refused, nothing but speed is lost
 
     // Compact records, wide records, cones: each kind in one run, tiles in order.
-    std::byte* at[3] = {block_.get(), block_.get() + compact * sizeof(CompactCluster), block_.get() + compact * sizeof(CompactCluster) + wide * sizeof(WideCluster)};
+    std::byte* at[3] = {block_.get(), block_.get() + compact * sizeof(CompactCluster),
+                        block_.get() + compact * sizeof(CompactCluster) + wide * sizeof(WideCluster)};
     const auto place = [](auto& list, std::byte*& to) {
         using T = typename std::remove_cvref_t<decltype(list)>::value_type;
         if (!list.empty()) std::memcpy(to, list.data(), list.size() * sizeof(T));

@@ -10,19 +10,20 @@
 #include <span>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// 16 levels, each with four corner values; bit q of `slabs` says that levels q and q + 1 bound a slab of the cell `offsets` names for lane q.
 /// Cells lie within 4 x 4 of (x0, y0), which counts in cells of the tile. Values are integers of 12 bits, heights integers of 8 bits: exact.
 struct alignas(64) CompactCluster {
-    std::uint64_t offsets;        ///< 4 bits a lane: x in the low two, y in the high two
+    std::uint64_t offsets;  ///< 4 bits a lane: x in the low two, y in the high two
     std::uint16_t slabs;
     std::uint8_t x0, y0;
     std::int16_t z_base;
-    std::uint8_t z[16];           ///< above z_base
-    std::uint8_t low[4][16];      ///< low byte of each corner's value
-    std::uint8_t high[2][16];     ///< high nibble of corners 0 and 1 (low, high half), and of corners 2 and 3
-    std::uint16_t unused;         ///< a kernel may read one byte past the arrays
+    std::uint8_t z[16];        ///< above z_base
+    std::uint8_t low[4][16];   ///< low byte of each corner's value
+    std::uint8_t high[2][16];  ///< high nibble of corners 0 and 1 (low, high half), and of corners 2 and 3
+    std::uint16_t unused;      ///< a kernel may read one byte past the arrays
 };
 static_assert(sizeof(CompactCluster) == 128);
 
@@ -34,7 +35,7 @@ struct alignas(64) WideCluster {
     float unused;
     double z[16];
     float value[4][16];
-    float unused_too;             ///< a kernel may read one value past the arrays
+    float unused_too;  ///< a kernel may read one value past the arrays
 };
 
 /// Bounds of the gradient over a cluster, world axes, rounded outwards; no length: only its direction is asked.
@@ -53,9 +54,9 @@ struct GradientCone {
 
 /// One slab as the exact solver wants it.
 struct Slab {
-    int x, y;                       ///< cell, counted in the tile
+    int x, y;  ///< cell, counted in the tile
     double z0, z1;
-    std::array<double, 8> value;    ///< F - delta at the corners: four below, four above, x fast
+    std::array<double, 8> value;  ///< F - delta at the corners: four below, four above, x fast
 };
 
 /// All records of one tile of lattice cells whose first cell is (a0, b0). Patch i is compact[i], then wide[i - compact.size()].
@@ -79,7 +80,8 @@ struct ClusterList {
 };
 
 /// One block of memory for the records of many tiles, on huge pages where the system has them: rays jump through it at random.
-class ClusterMemory {
+class ClusterMemory
+{
 public:
     ClusterMemory() = default;
     /// Copies the lists in and lets tiles[i] refer to lists[i]'s copy.

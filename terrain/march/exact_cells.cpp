@@ -19,10 +19,13 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
-class ExactCells final : public PatchIntersector {
+class ExactCells final : public PatchIntersector
+{
 public:
     explicit ExactCells(const ConvolutionField& field) : field_(field), lattice_(make_lattice(field)), filter_(cell_filter())
     {
@@ -121,7 +124,8 @@ private:
         // The ray in the tile's lattice frame, and in single precision from its point nearest to the cluster.
         SlabRay exact;
         const Vec3d p = ray.origin - lattice_.origin;
-        exact.origin = Vec3d(p.x * inverse_cell_ - lattice_.shift - tile.a0, p.y * inverse_cell_ - lattice_.shift - tile.b0, (p.z + lattice_.sigma) * inverse_unit_);
+        exact.origin = Vec3d(p.x * inverse_cell_ - lattice_.shift - tile.a0, p.y * inverse_cell_ - lattice_.shift - tile.b0,
+                             (p.z + lattice_.sigma) * inverse_unit_);
         exact.direction = Vec3d(ray.direction.x * inverse_cell_, ray.direction.y * inverse_cell_, ray.direction.z * inverse_unit_);
         const double x0 = compact ? tile.compact[i].x0 : tile.wide[i - tile.compact.size()].x0;
         const double y0 = compact ? tile.compact[i].y0 : tile.wide[i - tile.compact.size()].y0;
@@ -143,7 +147,8 @@ private:
 
         alignas(64) float t_in[16];
         int met = 0;
-        std::uint32_t lanes = compact ? filter_.compact(tile.compact[i], f, t_in, met) : filter_.wide(tile.wide[i - tile.compact.size()], z0, f, t_in, met);
+        std::uint32_t lanes =
+            compact ? filter_.compact(tile.compact[i], f, t_in, met) : filter_.wide(tile.wide[i - tile.compact.size()], z0, f, t_in, met);
         evaluations += 2u * static_cast<std::uint32_t>(met);
         if (lanes == 0) return false;
 
@@ -171,8 +176,8 @@ private:
     const ConvolutionField& field_;
     Lattice lattice_;
     CellFilter filter_;
-    Vec2d domain_lo_, domain_hi_;   ///< lattice coordinates
-    Vec2i first_, last_;            ///< lattice cells, half-open
+    Vec2d domain_lo_, domain_hi_;  ///< lattice coordinates
+    Vec2i first_, last_;           ///< lattice cells, half-open
     int tiles_x_ = 0;
     std::vector<CellTile> tiles_;
     ClusterMemory memory_;
@@ -187,9 +192,13 @@ std::optional<std::string> why_not_exact(const ConvolutionField& field)
     const double cell = field.ground().stack().cell();
     if (has_lattice(field.sigma(), cell)) return std::nullopt;
     const double columns = 2.0 * field.sigma() / cell;
-    return fmt::format("2 sigma is {:.6g} cells, which is not a whole number; the nearest sigma is {:.6g} m", columns, std::max(1.0, std::round(columns)) * cell / 2.0);
+    return fmt::format("2 sigma is {:.6g} cells, which is not a whole number; the nearest sigma is {:.6g} m", columns,
+                       std::max(1.0, std::round(columns)) * cell / 2.0);
 }
 
-std::unique_ptr<PatchIntersector> make_exact_cells(const ConvolutionField& field) { return std::make_unique<ExactCells>(field); }
+std::unique_ptr<PatchIntersector> make_exact_cells(const ConvolutionField& field)
+{
+    return std::make_unique<ExactCells>(field);
+}
 
 }  // namespace hoodoo

@@ -8,7 +8,8 @@
 #include <optional>
 #include <string>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Empty if the exact intersector can be built for this field; otherwise why not (2 sigma is no multiple of the cell).
 std::optional<std::string> why_not_exact(const ConvolutionField& field);

@@ -9,7 +9,8 @@
 
 #include <cmath>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Lattice coordinates of a point: X = (x - origin.x) / cell - shift, Y likewise, Z = (z - origin.z + sigma) / unit.
 /// Lattice vertex (a, b) lies at X = a, Y = b; knots lie at Z = top and Z = top + height of the kernel.

@@ -3,10 +3,12 @@
 
 #include "terrain/surface.h"
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// One body of matter, cut into tiles of patches. The verbs are those of Surface, with the same contracts.
-class PatchIntersector {
+class PatchIntersector
+{
 public:
     virtual ~PatchIntersector() = default;
     virtual std::uint32_t tile_count() const = 0;

@@ -8,12 +8,16 @@
 
 #include <algorithm>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 void tight_axis(const std::array<double, 4>& from, const std::array<double, 4>& to, double& lo, double& hi)
 {
-    const auto negative = [](const std::array<double, 4>& v) { return static_cast<int>(std::count_if(v.begin(), v.end(), [](double x) { return x < 0.0; })); };
+    const auto negative = [](const std::array<double, 4>& v) {
+        return static_cast<int>(std::count_if(v.begin(), v.end(), [](double x) { return x < 0.0; }));
+    };
     const int below = negative(from), above = negative(to);
     lo = 0.0, hi = 1.0;
     if (below == 0 || below == 4) {
@@ -29,7 +33,8 @@ void tight_axis(const std::array<double, 4>& from, const std::array<double, 4>& 
 }
 
 /// Reads a profile upwards, from the last knot at or below `start`.
-class Cursor {
+class Cursor
+{
 public:
     Cursor(const Profile& profile, double start) : knots_(profile.knots)
     {
@@ -60,7 +65,8 @@ Level between(const Level& a, const Level& b, double z)
 }
 
 /// Collects slabs of one cell into chains.
-class ChainMaker {
+class ChainMaker
+{
 public:
     ChainMaker(const Lattice& lattice, int a, int b, const ChainLimits& limits, std::vector<Chain>& out)
         : lattice_(lattice), a_(a), b_(b), limits_(limits), out_(out)
@@ -136,7 +142,8 @@ ProfileRows::Bends ProfileRows::column(int i, int j) const
 void ProfileRows::merge(const Bends& more, Bends& into, std::vector<Bend>& scratch)
 {
     scratch.resize(into.list.size() + more.list.size());
-    std::merge(into.list.begin(), into.list.end(), more.list.begin(), more.list.end(), scratch.begin(), [](const Bend& p, const Bend& q) { return p.z < q.z; });
+    std::merge(into.list.begin(), into.list.end(), more.list.begin(), more.list.end(), scratch.begin(),
+               [](const Bend& p, const Bend& q) { return p.z < q.z; });
     into.list.swap(scratch);
     into.overlap += more.overlap;
 }
@@ -193,7 +200,8 @@ std::vector<Profile> ProfileRows::row(int b)
     return profiles;
 }
 
-void cell_chains(const Lattice& lattice, int a, int b, const std::array<const Profile*, 4>& corners, const ChainLimits& limits, std::vector<Chain>& out)
+void cell_chains(const Lattice& lattice, int a, int b, const std::array<const Profile*, 4>& corners, const ChainLimits& limits,
+                 std::vector<Chain>& out)
 {
     // Far below all corners have one sign, and far above: between, it is enough to look where one of them changes it.
     double first = kInfinity, last = -kInfinity;

@@ -6,7 +6,8 @@
 #include <array>
 #include <vector>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Where the profile of a lattice vertex bends: F at `z`, and its slope from there to the next knot.
 struct Knot {
@@ -28,8 +29,8 @@ struct Level {
 
 /// A piece of one lattice cell: consecutive levels between which F is trilinear and changes sign somewhere in every slab.
 struct Chain {
-    int a, b;                    ///< lattice cell
-    std::vector<Level> levels;   ///< at least 2, heights strictly increasing
+    int a, b;                   ///< lattice cell
+    std::vector<Level> levels;  ///< at least 2, heights strictly increasing
 };
 
 /// Limits of a chain, in levels and units of height.
@@ -39,7 +40,8 @@ struct ChainLimits {
 };
 
 /// The profiles of lattice vertices (a0, b) to (a1, b), row after row of a tile: what rows share is kept between calls.
-class ProfileRows {
+class ProfileRows
+{
 public:
     ProfileRows(const Ground& ground, const Lattice& lattice, int a0, int a1) : ground_(ground), lattice_(lattice), a0_(a0), a1_(a1) {}
     std::vector<Profile> row(int b);
@@ -60,12 +62,13 @@ private:
     const Ground& ground_;
     const Lattice& lattice_;
     int a0_, a1_;
-    std::vector<std::vector<Bends>> columns_;   ///< rows of columns, the oldest first
+    std::vector<std::vector<Bends>> columns_;  ///< rows of columns, the oldest first
     int first_row_ = 0;
 };
 
 /// Appends the chains of cell (a, b), given the profiles of its corners (a,b), (a+1,b), (a,b+1), (a+1,b+1).
-void cell_chains(const Lattice& lattice, int a, int b, const std::array<const Profile*, 4>& corners, const ChainLimits& limits, std::vector<Chain>& out);
+void cell_chains(const Lattice& lattice, int a, int b, const std::array<const Profile*, 4>& corners, const ChainLimits& limits,
+                 std::vector<Chain>& out);
 
 /// The part of a slab that the surface F = delta can touch, as [lo, hi] along each axis in 0..1 of the slab. Empty (lo > hi) if none.
 /// Values: four corners below, then four above, x fast, delta already subtracted. Proved: on a plane across an axis F lies in the hull of

@@ -9,8 +9,10 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 /// Cuts [t0, t1] to where the ray lies between two planes across axis k.
 bool cut(double origin, double direction, double inverse, double lo, double hi, double& t0, double& t1, bool& through_face)
@@ -101,7 +103,8 @@ bool first_crossing(const Slab& slab, const SlabRay& ray, double t_lo, double t_
     const bool entering_only = ray.crossing == Crossing::entering;
 
     // Just past the crossing at the face through which the ray comes in.
-    if (through_face && t0 > t_lo && std::abs(g.c0) <= 1e-9 * scale && ((g.c0 <= 0.0 && g.c1 < 0.0) || (!entering_only && g.c0 >= 0.0 && g.c1 > 0.0))) {
+    if (through_face && t0 > t_lo && std::abs(g.c0) <= 1e-9 * scale &&
+        ((g.c0 <= 0.0 && g.c1 < 0.0) || (!entering_only && g.c0 >= 0.0 && g.c1 > 0.0))) {
         t = t0;
         return t < t_hi;
     }

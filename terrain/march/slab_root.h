@@ -3,13 +3,14 @@
 
 #include "terrain/march/cluster.h"
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// A ray in the lattice frame of a tile (its first cell at the origin); t stays in metres.
 struct SlabRay {
     Vec3d origin, direction;
-    Vec3d inverse;                ///< 1 / direction; anything where direction is 0
-    Vec2d domain_lo, domain_hi;   ///< crossings outside are not reported (half cells at the rim of a terrain)
+    Vec3d inverse;               ///< 1 / direction; anything where direction is 0
+    Vec2d domain_lo, domain_hi;  ///< crossings outside are not reported (half cells at the rim of a terrain)
     Crossing crossing;
 };
 

@@ -6,7 +6,8 @@
 
 #include <memory>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Any sigma. Keeps a reference to the field.
 std::unique_ptr<PatchIntersector> make_sphere_bricks(const ConvolutionField& field);

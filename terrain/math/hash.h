@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// Bijective mixing of 64 bits (the finaliser of SplitMix64, Steele2014). Full avalanche.
 constexpr std::uint64_t mix64(std::uint64_t x)
@@ -15,7 +16,10 @@ constexpr std::uint64_t mix64(std::uint64_t x)
     return x ^ (x >> 31);
 }
 
-constexpr std::uint64_t hash_combine(std::uint64_t seed, std::uint64_t value) { return mix64(seed ^ mix64(value)); }
+constexpr std::uint64_t hash_combine(std::uint64_t seed, std::uint64_t value)
+{
+    return mix64(seed ^ mix64(value));
+}
 
 /// Seed of the part called `name` under `seed` (FNV-1a over the bytes, then mixed). Never changes between versions.
 constexpr std::uint64_t hash_name(std::uint64_t seed, std::string_view name)
@@ -27,10 +31,14 @@ constexpr std::uint64_t hash_name(std::uint64_t seed, std::string_view name)
 
 constexpr std::uint64_t hash_cell(std::uint64_t seed, std::int64_t i, std::int64_t j, std::int64_t k = 0)
 {
-    return hash_combine(hash_combine(hash_combine(seed, static_cast<std::uint64_t>(i)), static_cast<std::uint64_t>(j)), static_cast<std::uint64_t>(k));
+    return hash_combine(hash_combine(hash_combine(seed, static_cast<std::uint64_t>(i)), static_cast<std::uint64_t>(j)),
+                        static_cast<std::uint64_t>(k));
 }
 
 /// The high 53 bits of `h` as a number in [0, 1).
-constexpr double unit_real(std::uint64_t h) { return static_cast<double>(h >> 11) * 0x1p-53; }
+constexpr double unit_real(std::uint64_t h)
+{
+    return static_cast<double>(h >> 11) * 0x1p-53;
+}
 
 }  // namespace hoodoo

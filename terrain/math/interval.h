@@ -3,7 +3,8 @@
 
 #include <algorithm>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// lo <= hi. Encloses every value; how tight it is, each producer states.
 struct Interval {

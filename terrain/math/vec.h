@@ -10,7 +10,8 @@
 #include <cstdint>
 #include <limits>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 using Vec2d = Imath::V2d;
 using Vec3d = Imath::V3d;
@@ -47,7 +48,10 @@ struct Ray {
     double footprint(double t) const { return footprint_width + footprint_spread * t; }
 };
 
-inline bool is_finite(const Vec3d& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+inline bool is_finite(const Vec3d& v)
+{
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 /// Two unit vectors that complete the unit vector `n` to a right-handed orthonormal frame (Duff2017, no branch on n.z's neighbourhood of -1).
 inline void orthonormal_frame(const Vec3d& n, Vec3d& tangent, Vec3d& bitangent)

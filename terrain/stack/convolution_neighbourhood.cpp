@@ -8,8 +8,10 @@
 
 #include <array>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 /// Columns along an axis that the fast path keeps weights for; wider kernels call the plain functions.
 constexpr int kMostColumns = 40;
@@ -28,7 +30,7 @@ struct Weights {
         }
     }
     int first, count;
-    int left, right;   ///< of the columns in which the faces of the kernel at the point lie
+    int left, right;  ///< of the columns in which the faces of the kernel at the point lie
     std::array<double, kMostColumns> below, at, above;
 };
 

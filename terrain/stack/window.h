@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 /// The window of one horizontal axis, in cells: columns first..last overlap [low, high].
 struct Window {

@@ -9,9 +9,11 @@
 
 #include <numbers>
 
-namespace hoodoo {
+namespace hoodoo
+{
 
-namespace {
+namespace
+{
 
 Schema mesh_schema()
 {
@@ -20,12 +22,38 @@ Schema mesh_schema()
             {
                 {.name = "file", .type = ParameterType::path, .doc = "Mesh file (.ply, .obj, .stl), in metres", .required = true},
                 {.name = "material", .type = ParameterType::text, .doc = "Name of its material", .fallback = std::string("rock")},
-                {.name = "normals", .type = ParameterType::choice, .doc = "Shading: normals interpolated over a face, or one for each face", .fallback = std::string("smooth"), .choices = {"smooth", "flat"}},
+                {.name = "normals",
+                 .type = ParameterType::choice,
+                 .doc = "Shading: normals interpolated over a face, or one for each face",
+                 .fallback = std::string("smooth"),
+                 .choices = {"smooth", "flat"}},
                 {.name = "up", .type = ParameterType::choice, .doc = "The file's vertical axis", .fallback = std::string("z"), .choices = {"y", "z"}},
-                {.name = "scale", .type = ParameterType::number, .doc = "Size: metres a unit of the file", .fallback = 1.0, .minimum = 0.0, .above_minimum = true},
-                {.name = "rotate_deg", .type = ParameterType::vector, .doc = "Turned about x, then y, then z, in degrees", .fallback = std::vector<double>{0, 0, 0}, .unit = "deg", .min_count = 3, .max_count = 3},
-                {.name = "translate", .type = ParameterType::vector, .doc = "Then moved by", .fallback = std::vector<double>{0, 0, 0}, .unit = "m", .min_count = 3, .max_count = 3},
-                {.name = "origin", .type = ParameterType::vector, .doc = "The point of the file about which scale and rotate work", .fallback = std::vector<double>{0, 0, 0}, .min_count = 3, .max_count = 3},
+                {.name = "scale",
+                 .type = ParameterType::number,
+                 .doc = "Size: metres a unit of the file",
+                 .fallback = 1.0,
+                 .minimum = 0.0,
+                 .above_minimum = true},
+                {.name = "rotate_deg",
+                 .type = ParameterType::vector,
+                 .doc = "Turned about x, then y, then z, in degrees",
+                 .fallback = std::vector<double>{0, 0, 0},
+                 .unit = "deg",
+                 .min_count = 3,
+                 .max_count = 3},
+                {.name = "translate",
+                 .type = ParameterType::vector,
+                 .doc = "Then moved by",
+                 .fallback = std::vector<double>{0, 0, 0},
+                 .unit = "m",
+                 .min_count = 3,
+                 .max_count = 3},
+                {.name = "origin",
+                 .type = ParameterType::vector,
+                 .doc = "The point of the file about which scale and rotate work",
+                 .fallback = std::vector<double>{0, 0, 0},
+                 .min_count = 3,
+                 .max_count = 3},
             }};
 }
 
@@ -34,9 +62,8 @@ Imath::M33d rotation(const Vec3d& degrees)
     const Vec3d a = degrees * (std::numbers::pi / 180.0);
     const double cx = std::cos(a.x), sx = std::sin(a.x), cy = std::cos(a.y), sy = std::sin(a.y), cz = std::cos(a.z), sz = std::sin(a.z);
     // Rows of the transpose: Imath multiplies a row vector from the left.
-    return Imath::M33d(cz * cy, sz * cy, -sy,
-                       cz * sy * sx - sz * cx, sz * sy * sx + cz * cx, cy * sx,
-                       cz * sy * cx + sz * sx, sz * sy * cx - cz * sx, cy * cx);
+    return Imath::M33d(cz * cy, sz * cy, -sy, cz * sy * sx - sz * cx, sz * sy * sx + cz * cx, cy * sx, cz * sy * cx + sz * sx, sz * sy * cx - cz * sx,
+                       cy * cx);
 }
 
 Shape make_mesh(const Values& values, const BuildContext& context)
@@ -55,6 +82,9 @@ Shape make_mesh(const Values& values, const BuildContext& context)
 
 }  // namespace
 
-CatalogueEntry mesh_row() { return {"mesh", "", mesh_schema(), make_mesh}; }
+CatalogueEntry mesh_row()
+{
+    return {"mesh", "", mesh_schema(), make_mesh};
+}
 
 }  // namespace hoodoo

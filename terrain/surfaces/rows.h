@@ -3,7 +3,8 @@
 
 #include "terrain/catalogue.h"
 
-namespace hoodoo {
+namespace hoodoo
+{
 
 CatalogueEntry plane_row();
 CatalogueEntry mesh_row();

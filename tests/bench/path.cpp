@@ -18,8 +18,10 @@
 #include <filesystem>
 #include <fstream>
 
-namespace hoodoo::bench {
-namespace {
+namespace hoodoo::bench
+{
+namespace
+{
 
 const char* const kFrame = R"(
 version = 1
@@ -77,8 +79,10 @@ beds = 9.0
 void write_ply(const TriangleMesh& mesh, const std::string& path)
 {
     std::ofstream out(path, std::ios::binary);
-    out << fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {}\n"
-                       "property list uchar uint vertex_indices\nend_header\n", mesh.vertices.size(), mesh.triangles.size());
+    out << fmt::format(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {}\n"
+        "property list uchar uint vertex_indices\nend_header\n",
+        mesh.vertices.size(), mesh.triangles.size());
     for (const Vec3f& v : mesh.vertices) out.write(reinterpret_cast<const char*>(&v), sizeof v);
     for (const auto& t : mesh.triangles) {
         out.put(3);
@@ -96,11 +100,13 @@ double seconds_of(const std::function<void()>& work)
 std::string part_of(const std::string& function)
 {
     const auto has = [&](const char* word) { return function.find(word) != std::string::npos; };
-    if (has("libembree") || has("Tracer") || has("ExactCells") || has("filter_") || has("first_crossing") || has("part_") || has("CellTile") || has("SphereBricks"))
+    if (has("libembree") || has("Tracer") || has("ExactCells") || has("filter_") || has("first_crossing") || has("part_") || has("CellTile") ||
+        has("SphereBricks"))
         return "intersection";
     if (has("Sampler") || has("owen") || has("sobol") || has("Filter::")) return "sampling";
-    if (has("interact") || has("ConvolutionField") || has("refine_crossing") || has("visible") || has("appearance") || has("Look") || has("procedur") || has("noise") ||
-        has("Lambert") || has("CosineLobe") || has("RoughDiffuse") || has("trace_path") || has("next_event") || has("make_vertex") || has("Sun") || has("Sky"))
+    if (has("interact") || has("ConvolutionField") || has("refine_crossing") || has("visible") || has("appearance") || has("Look") ||
+        has("procedur") || has("noise") || has("Lambert") || has("CosineLobe") || has("RoughDiffuse") || has("trace_path") || has("next_event") ||
+        has("make_vertex") || has("Sun") || has("Sky"))
         return "shading";
     return "other";
 }
@@ -142,8 +148,11 @@ nlohmann::json measure_scene(const LoadedScene& loaded, bool full)
     options.seed = 2;
     const double rmse = relative_rmse(render(loaded, options), reference);
     const double rate = samples / one;
-    return {{"samples_per_second", rate}, {"two_threads_over_one", one / two}, {"rmse_at_64", rmse},
-            {"cpu_seconds_to_1_percent", 512.0 * 512.0 * 64.0 * (rmse / 0.01) * (rmse / 0.01) / rate}, {"shares", shares}};
+    return {{"samples_per_second", rate},
+            {"two_threads_over_one", one / two},
+            {"rmse_at_64", rmse},
+            {"cpu_seconds_to_1_percent", 512.0 * 512.0 * 64.0 * (rmse / 0.01) * (rmse / 0.01) / rate},
+            {"shares", shares}};
 }
 
 }  // namespace

@@ -3,7 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-namespace hoodoo::bench {
+namespace hoodoo::bench
+{
 
 nlohmann::json path_benchmark(bool full);
 

@@ -8,7 +8,8 @@
 
 #include <cmath>
 
-namespace hoodoo::bench {
+namespace hoodoo::bench
+{
 
 TriangleMesh polygonise(const ConvolutionField& field, const PatchIntersector& patches, double spacing)
 {
@@ -40,7 +41,8 @@ TriangleMesh polygonise(const ConvolutionField& field, const PatchIntersector& p
 
     TriangleMesh mesh;
     mesh.vertices.reserve(points.size());
-    for (const auto& p : points) mesh.vertices.emplace_back(p.x() * static_cast<float>(spacing), p.y() * static_cast<float>(spacing), p.z() * static_cast<float>(spacing));
+    for (const auto& p : points)
+        mesh.vertices.emplace_back(p.x() * static_cast<float>(spacing), p.y() * static_cast<float>(spacing), p.z() * static_cast<float>(spacing));
     for (const auto& t : triangles) mesh.triangles.push_back({t.x(), t.z(), t.y()});
     for (const auto& q : quads) {
         mesh.triangles.push_back({q.x(), q.z(), q.y()});

@@ -14,8 +14,10 @@
 #include <cstdio>
 #include <vector>
 
-namespace hoodoo::bench {
-namespace {
+namespace hoodoo::bench
+{
+namespace
+{
 
 constexpr std::size_t kMost = 1 << 16;
 std::array<std::uintptr_t, kMost> addresses;
@@ -28,7 +30,8 @@ void sample(int, siginfo_t*, void* context)
 }
 
 /// Functions of one file by address, from nm.
-class Symbols {
+class Symbols
+{
 public:
     explicit Symbols(const std::string& file)
     {

@@ -5,7 +5,8 @@
 #include <map>
 #include <string>
 
-namespace hoodoo::bench {
+namespace hoodoo::bench
+{
 
 /// Runs `work` and returns the share of samples in each class that `classify` makes of a demangled function name (or a library's file name, where the
 /// library has no symbols). Not reentrant.

@@ -7,10 +7,13 @@
 #include <filesystem>
 #include <fstream>
 
-namespace hoodoo::bench {
-namespace {
+namespace hoodoo::bench
+{
+namespace
+{
 
-class Collector : public benchmark::BenchmarkReporter {
+class Collector : public benchmark::BenchmarkReporter
+{
 public:
     explicit Collector(std::map<std::string, double>& best) : best_(best) {}
     bool ReportContext(const Context&) override { return true; }

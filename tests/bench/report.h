@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-namespace hoodoo::bench {
+namespace hoodoo::bench
+{
 
 /// One measured thing: `work()` handles `items` items. Names read "group/method", and each group has a baseline method.
 struct Task {

@@ -19,13 +19,19 @@
 #include <chrono>
 #include <cstdio>
 
-namespace hoodoo::bench {
-namespace {
+namespace hoodoo::bench
+{
+namespace
+{
 
-double seconds_since(std::chrono::steady_clock::time_point start) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
+double seconds_since(std::chrono::steady_clock::time_point start)
+{
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
 /// A patch intersector as a Surface, with the shading of none.
-class BareSurface final : public Surface {
+class BareSurface final : public Surface
+{
 public:
     BareSurface(const ConvolutionField& field, std::unique_ptr<PatchIntersector> patches) : field_(field), patches_(std::move(patches)) {}
     std::uint32_t tile_count() const override { return patches_->tile_count(); }
@@ -58,7 +64,8 @@ private:
 };
 
 /// Embree alone, counting the memory it takes.
-class Device {
+class Device
+{
 public:
     Device() : device_(rtcNewDevice(nullptr)) { rtcSetDeviceMemoryMonitorFunction(device_, count, &bytes_); }
     ~Device() { rtcReleaseDevice(device_); }
@@ -78,14 +85,16 @@ private:
 };
 
 /// The baseline: a mesh in Embree, nothing around it.
-class BareMesh {
+class BareMesh
+{
 public:
     explicit BareMesh(const TriangleMesh& mesh)
     {
         const auto start = std::chrono::steady_clock::now();
         scene_ = rtcNewScene(device_.get());
         const RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-        auto* v = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), mesh.vertices.size()));
+        auto* v =
+            static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), mesh.vertices.size()));
         std::copy(mesh.vertices.begin(), mesh.vertices.end(), v);
         auto* t = static_cast<std::array<std::uint32_t, 3>*>(
             rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), mesh.triangles.size()));
@@ -131,7 +140,8 @@ private:
     static void fill(const Ray& ray, RTCRay& out)
     {
         out.org_x = static_cast<float>(ray.origin.x), out.org_y = static_cast<float>(ray.origin.y), out.org_z = static_cast<float>(ray.origin.z);
-        out.dir_x = static_cast<float>(ray.direction.x), out.dir_y = static_cast<float>(ray.direction.y), out.dir_z = static_cast<float>(ray.direction.z);
+        out.dir_x = static_cast<float>(ray.direction.x), out.dir_y = static_cast<float>(ray.direction.y),
+        out.dir_z = static_cast<float>(ray.direction.z);
         out.tnear = 0.0f, out.tfar = std::numeric_limits<float>::infinity(), out.time = 0.0f;
         out.mask = 0xffffffffu, out.id = 0, out.flags = 0;
     }
@@ -152,7 +162,9 @@ std::vector<Ray> camera_rays(const testing::View& view, int size)
         for (int x = 0; x < size; ++x) {
             Ray ray;
             ray.origin = view.eye;
-            ray.direction = (forward + right * ((x + 0.5) * 2.0 / size - 1.0) * view.half_width + up * (1.0 - (y + 0.5) * 2.0 / size) * view.half_width).normalized();
+            ray.direction =
+                (forward + right * ((x + 0.5) * 2.0 / size - 1.0) * view.half_width + up * (1.0 - (y + 0.5) * 2.0 / size) * view.half_width)
+                    .normalized();
             ray.crossing = Crossing::entering;
             rays.push_back(ray);
         }
@@ -176,7 +188,8 @@ RaySets ray_sets(const testing::View& view, int size, const Hit& hit)
         ray.origin = p + n * 0.01;
         Vec3d a, b;
         orthonormal_frame(n, a, b);
-        const double phi = 2.0 * M_PI * unit_real(hash_cell(1, static_cast<std::int64_t>(i), 0)), r = unit_real(hash_cell(1, static_cast<std::int64_t>(i), 1));
+        const double phi = 2.0 * M_PI * unit_real(hash_cell(1, static_cast<std::int64_t>(i), 0)),
+                     r = unit_real(hash_cell(1, static_cast<std::int64_t>(i), 1));
         ray.direction = (a * std::cos(phi) * std::sqrt(r) + b * std::sin(phi) * std::sqrt(r) + n * std::sqrt(1.0 - r)).normalized();
         sets.diffuse.push_back(ray);
         if (n.dot(sun) <= 0.0) continue;
@@ -226,14 +239,15 @@ double bvh_megabytes(const Surface& surface)
         const RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_USER);
         rtcSetGeometryUserPrimitiveCount(geometry, surface.patch_count(tile));
         rtcSetGeometryUserData(geometry, &parts.back());
-        rtcSetGeometryBoundsFunction(geometry,
-                                     [](const RTCBoundsFunctionArguments* a) {
-                                         const Part& part = *static_cast<const Part*>(a->geometryUserPtr);
-                                         const Box3d b = part.surface->patch_bounds({part.tile, a->primID});
-                                         *a->bounds_o = {static_cast<float>(b.min.x), static_cast<float>(b.min.y), static_cast<float>(b.min.z), 0.0f,
-                                                         static_cast<float>(b.max.x), static_cast<float>(b.max.y), static_cast<float>(b.max.z), 0.0f};
-                                     },
-                                     nullptr);
+        rtcSetGeometryBoundsFunction(
+            geometry,
+            [](const RTCBoundsFunctionArguments* a) {
+                const Part& part = *static_cast<const Part*>(a->geometryUserPtr);
+                const Box3d b = part.surface->patch_bounds({part.tile, a->primID});
+                *a->bounds_o = {static_cast<float>(b.min.x), static_cast<float>(b.min.y), static_cast<float>(b.min.z), 0.0f,
+                                static_cast<float>(b.max.x), static_cast<float>(b.max.y), static_cast<float>(b.max.z), 0.0f};
+            },
+            nullptr);
         rtcCommitGeometry(geometry);
         rtcAttachGeometry(scene, geometry);
         rtcReleaseGeometry(geometry);
@@ -261,14 +275,16 @@ nlohmann::json terrain_report(const testing::BenchTerrain& terrain, bool full)
         char name[32];
         std::snprintf(name, sizeof name, "mesh_%.2gM", static_cast<double>(mesh.triangles.size()) / 1e6);
         meshes.emplace_back(name, std::make_unique<BareMesh>(mesh));
-        report["methods"][name] = {{"triangles", mesh.triangles.size()}, {"meshing_seconds", meshing}, {"bvh_seconds", meshes.back().second->build_seconds},
+        report["methods"][name] = {{"triangles", mesh.triangles.size()},
+                                   {"meshing_seconds", meshing},
+                                   {"bvh_seconds", meshes.back().second->build_seconds},
                                    {"megabytes", meshes.back().second->megabytes}};
     }
     for (const auto& [name, d] : directs) {
         const double bvh = bvh_megabytes(*std::get<std::unique_ptr<Surface>>(d.shapes[0]));
-        report["methods"][name] = {{"patches", d.info.patches}, {"data_seconds", d.data_seconds}, {"bvh_seconds", d.bvh_seconds},
-                                   {"data_megabytes", static_cast<double>(d.info.trace_bytes) / 1e6}, {"bvh_megabytes", bvh},
-                                   {"megabytes", static_cast<double>(d.info.trace_bytes) / 1e6 + bvh}};
+        report["methods"][name] = {{"patches", d.info.patches},    {"data_seconds", d.data_seconds},
+                                   {"bvh_seconds", d.bvh_seconds}, {"data_megabytes", static_cast<double>(d.info.trace_bytes) / 1e6},
+                                   {"bvh_megabytes", bvh},         {"megabytes", static_cast<double>(d.info.trace_bytes) / 1e6 + bvh}};
     }
 
     const int size = full ? 512 : 128;
@@ -321,7 +337,8 @@ nlohmann::json terrain_report(const testing::BenchTerrain& terrain, bool full)
     for (const Task& task : tasks) report["rays_per_second"][task.group][task.method] = rates.at(task.group + "/" + task.method);
     for (auto& [group, methods] : report["rays_per_second"].items())
         for (const auto& [direct, d] : directs)
-            for (const auto& [mesh, m] : meshes) report["ratio"][direct + " / " + mesh][group] = methods[direct].get<double>() / methods[mesh].get<double>();
+            for (const auto& [mesh, m] : meshes)
+                report["ratio"][direct + " / " + mesh][group] = methods[direct].get<double>() / methods[mesh].get<double>();
     return report;
 }
 

@@ -3,7 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-namespace hoodoo::bench {
+namespace hoodoo::bench
+{
 
 /// `full`: all views and meshes at full size. Otherwise a smaller terrain, to see that the benchmark works.
 nlohmann::json trace_benchmark(bool full);

@@ -40,8 +40,8 @@ public:
         const double wave = r_.relief * 1.2;  // longest wavelength: slopes of about one whatever the relief
         const double rough = r_.rugged ? 1.0 : 0.35;
         const Vec2d p(x / wave, y / wave);
-        double h =
-            0.5 + 0.35 * fbm(p, seed, {7.0, 2.0, r_.gain >= 0.0 ? r_.gain : (r_.rugged ? 0.5 : 0.35)}).value + rough * 0.15 * ridged(p * 2.0, seed + 1, {5.0, 2.0, 0.45}).value;
+        double h = 0.5 + 0.35 * fbm(p, seed, {7.0, 2.0, r_.gain >= 0.0 ? r_.gain : (r_.rugged ? 0.5 : 0.35)}).value +
+                   rough * 0.15 * ridged(p * 2.0, seed + 1, {5.0, 2.0, 0.45}).value;
         // Canyons: narrow valleys along the zero set of a slow noise.
         const double river = std::abs(gradient_noise(p * 1.3, seed + 2).value);
         h -= rough * 0.3 * std::max(0.0, 1.0 - river / 0.08);

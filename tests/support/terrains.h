@@ -15,11 +15,11 @@ struct TerrainRecipe {
     double cell = 1.0;
     Vec3d origin{0.0};
     std::uint64_t seed = 1;
-    double relief = 226.0;  ///< cells, at most 250: heights are whole 32nds of a cell
-    bool rugged = true;     ///< false: gentle slopes, fewer overhangs and tunnels
-    double overhangs = -1.0;    ///< how far 3-D noise moves the ground, as a share of the relief; -1: 0.12 if rugged, else 0.04
-    double gain = -1.0;         ///< of the ground's noise, octave to octave; -1: 0.5 if rugged, else 0.35
-    int tunnels = -1;       ///< swept spheres; -1: one to 8700 columns (90 on 1024 x 768)
+    double relief = 226.0;    ///< cells, at most 250: heights are whole 32nds of a cell
+    bool rugged = true;       ///< false: gentle slopes, fewer overhangs and tunnels
+    double overhangs = -1.0;  ///< how far 3-D noise moves the ground, as a share of the relief; -1: 0.12 if rugged, else 0.04
+    double gain = -1.0;       ///< of the ground's noise, octave to octave; -1: 0.5 if rugged, else 0.35
+    int tunnels = -1;         ///< swept spheres; -1: one to 8700 columns (90 on 1024 x 768)
 };
 
 /// fBm, ridges, terraces and canyons for the ground; overhangs where 3-D noise carves or adds matter near it; tunnels of swept spheres. Bedrock with

@@ -7,8 +7,10 @@
 
 #include <gtest/gtest.h>
 
-namespace hoodoo {
-namespace {
+namespace hoodoo
+{
+namespace
+{
 
 TEST(ConvolutionNeighbourhood, equals_value_gradient_and_smoothed_gradient)
 {
@@ -53,7 +55,7 @@ TEST(OnlyVisible, names_the_material_whose_area_is_all_of_it)
         mixed += kinds == 2;
         EXPECT_FALSE(kinds == 2 && only);
     }
-    EXPECT_GT(alone, 100);   // both cases occur, so the test can fail
+    EXPECT_GT(alone, 100);  // both cases occur, so the test can fail
     EXPECT_GT(mixed, 20);
 }
 

@@ -11,7 +11,8 @@
 
 using namespace hoodoo;
 
-namespace {
+namespace
+{
 
 /// Looks without colour management: the numbers of a colour are taken as they are.
 const ColorConverter kAsWritten = [](const ColorValue& c) { return Vec3f(c.rgb); };
@@ -30,7 +31,10 @@ Node leaf(decltype(Node::value) value)
     return node;
 }
 
-Node grey(double v) { return table({{"grey", leaf(v)}}); }
+Node grey(double v)
+{
+    return table({{"grey", leaf(v)}});
+}
 
 std::unique_ptr<Look> look_of(const std::string& name, std::vector<std::pair<std::string, Node>> entries)
 {
@@ -50,7 +54,10 @@ Interaction place(const Vec3d& p, const Vec3d& n = Vec3d(0, 0, 1))
 
 const std::vector<std::string> kNatural = {"sand", "bedrock", "rock", "soil"};
 
-double luminance(const Vec3f& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+double luminance(const Vec3f& c)
+{
+    return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
+}
 
 /// The highest autocorrelation of f over a square of side `size` sampled every metre, at lags beyond the main lobe (which ends where the correlation,
 /// averaged over both signs and axes of the lag, first falls to 0.15). Lags run to half the size, along both axes and both diagonals.
@@ -81,7 +88,7 @@ double highest_far_correlation(int size, const std::function<double(int, int)>& 
             if (main_lobe && c < 0.15) main_lobe = false;
             if (!main_lobe) highest = std::max(highest, c);
         }
-        if (main_lobe) return 1.0;   // it never falls: one colour all over
+        if (main_lobe) return 1.0;  // it never falls: one colour all over
     }
     return highest;
 }
@@ -121,7 +128,8 @@ TEST(Look, albedo_sets_the_mean_of_a_procedural_look)
     for (int i = 0; i < places; ++i) {
         const auto random = [&](int k) { return unit_real(hash_cell(9, i, k)); };
         const double z = random(3), r = std::sqrt(1.0 - z * z), a = 6.283185307179586 * random(4);
-        sum += Vec3d(look->appearance(place(Vec3d(random(0), random(1), random(2)) * 3000.0, Vec3d(r * std::cos(a), r * std::sin(a), z)), 0.0).albedo);
+        sum +=
+            Vec3d(look->appearance(place(Vec3d(random(0), random(1), random(2)) * 3000.0, Vec3d(r * std::cos(a), r * std::sin(a), z)), 0.0).albedo);
     }
     // The look measures its mean over 1024 places with a relative spread of 0.5: 1.6% standard error, here 5 of them.
     for (unsigned k = 0; k < 3; ++k) EXPECT_NEAR(sum[k] / places, 0.3, 0.3 * 0.08);
@@ -136,7 +144,8 @@ TEST(Look, appearance_is_physical_everywhere)
             const double z = 2.0 * random(3) - 1.0, r = std::sqrt(1.0 - z * z), a = 6.283185307179586 * random(4);
             const Vec3d n(r * std::cos(a), r * std::sin(a), z);
             // Also 4000 km from the origin of the map.
-            const Appearance s = look->appearance(place(Vec3d(random(0), random(1), random(2)) * (i % 2 ? 4e6 : 500.0), n), std::pow(10.0, 5.0 * random(5) - 3.0));
+            const Appearance s =
+                look->appearance(place(Vec3d(random(0), random(1), random(2)) * (i % 2 ? 4e6 : 500.0), n), std::pow(10.0, 5.0 * random(5) - 3.0));
             for (unsigned k = 0; k < 3; ++k) {
                 ASSERT_GE(s.albedo[k], 0.0f);
                 ASSERT_LE(s.albedo[k], 1.0f);
@@ -151,8 +160,8 @@ TEST(Look, appearance_is_physical_everywhere)
 
 TEST(Look, detail_under_two_footprints_is_gone)
 {
-    // With a footprint of w, what is left has wavelengths of 2 w and more, so two points 0.02 w apart look nearly the same: contrast in the picture is
-    // that of the pixels and not of what falls between them. Without the band limit the difference is that of unrelated points.
+    // With a footprint of w, what is left has wavelengths of 2 w and more, so two points 0.02 w apart look nearly the same: contrast in the picture
+    // is that of the pixels and not of what falls between them. Without the band limit the difference is that of unrelated points.
     for (const std::string& name : kNatural) {
         const auto look = default_look(name, kAsWritten);
         double near = 0.0, far = 0.0;
@@ -167,7 +176,10 @@ TEST(Look, detail_under_two_footprints_is_gone)
         // sin(2 pi x / L) changes by at most 2 pi 0.025 w / 2 w = 0.08 of its amplitude: squared and against two unrelated values, 0.0064 / 2.
         EXPECT_LT(near, 0.01 * far) << name;
         const Vec3d n(0.0, 0.0, 1.0);
-        EXPECT_LT((look->appearance(place(Vec3d(1, 2, 3), n), 1000.0).albedo - look->appearance(place(Vec3d(500, 900, 3), n), 1000.0).albedo).length(), 1e-6f) << name;
+        EXPECT_LT(
+            (look->appearance(place(Vec3d(1, 2, 3), n), 1000.0).albedo - look->appearance(place(Vec3d(500, 900, 3), n), 1000.0).albedo).length(),
+            1e-6f)
+            << name;
     }
 }
 
@@ -204,12 +216,17 @@ TEST(Look, albedo_over_512_m_does_not_repeat)
 {
     for (const std::string& name : kNatural) {
         const auto look = default_look(name, kAsWritten);
-        EXPECT_LT(highest_far_correlation(512, [&](int x, int y) { return luminance(look->appearance(place(Vec3d(x + 0.5, y + 0.5, 7.3)), 1.0).albedo); }), 0.3) << name;
+        EXPECT_LT(
+            highest_far_correlation(512, [&](int x, int y) { return luminance(look->appearance(place(Vec3d(x + 0.5, y + 0.5, 7.3)), 1.0).albedo); }),
+            0.3)
+            << name;
     }
 }
 
 TEST(Look, the_law_of_repetition_catches_a_look_that_repeats_every_64_m)
 {
     const auto look = default_look("rock", kAsWritten);
-    EXPECT_GT(highest_far_correlation(256, [&](int x, int y) { return luminance(look->appearance(place(Vec3d(x % 64 + 0.5, y % 64 + 0.5, 7.3)), 1.0).albedo); }), 0.9);
+    EXPECT_GT(highest_far_correlation(
+                  256, [&](int x, int y) { return luminance(look->appearance(place(Vec3d(x % 64 + 0.5, y % 64 + 0.5, 7.3)), 1.0).albedo); }),
+              0.9);
 }

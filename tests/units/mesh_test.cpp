@@ -10,13 +10,16 @@
 
 using namespace hoodoo;
 
-namespace {
+namespace
+{
 
-class MeshFile : public ::testing::Test {
+class MeshFile : public ::testing::Test
+{
 protected:
     void SetUp() override
     {
-        folder_ = std::filesystem::temp_directory_path() / ("hoodoo_mesh_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+        folder_ =
+            std::filesystem::temp_directory_path() / ("hoodoo_mesh_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
         std::filesystem::create_directories(folder_);
     }
     void TearDown() override { std::filesystem::remove_all(folder_); }
@@ -43,8 +46,9 @@ protected:
 
 // A unit square in the plane z = 0 with corner (0, 0), as one polygon.
 const std::string kSquareObj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
-const std::string kSquarePly = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-                               "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+const std::string kSquarePly =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+    "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
 const std::string kTriangleStl = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
 // Two faces of a roof with its ridge along y: the ridge's vertices are shared.
 const std::string kRoofObj = "v -1 0 0\nv 0 0 1\nv 1 0 0\nv -1 2 0\nv 0 2 1\nv 1 2 0\nf 1 2 5 4\nf 2 3 6 5\n";
@@ -85,7 +89,7 @@ TEST_F(MeshFile, polygons_of_each_format_become_triangles_that_face_the_same_way
 {
     for (const auto& [name, text, expected] : {std::tuple{"a.obj", kSquareObj, 1.0}, {"a.ply", kSquarePly, 1.0}, {"a.stl", kTriangleStl, 0.5}}) {
         const TriangleMesh mesh = read_mesh_file(write(name, text), {}, {});
-        EXPECT_DOUBLE_EQ(area(mesh), expected) << name;   // signed: counter-clockwise from above
+        EXPECT_DOUBLE_EQ(area(mesh), expected) << name;  // signed: counter-clockwise from above
         ASSERT_EQ(mesh.normals.size(), mesh.vertices.size()) << name;
         for (const Vec3f& n : mesh.normals) EXPECT_LT((n - Vec3f(0, 0, 1)).length(), 1e-6f) << name;
         EXPECT_TRUE(mesh.uvs.empty()) << name;
@@ -100,7 +104,7 @@ TEST_F(MeshFile, smooth_normals_are_the_mean_of_the_faces_and_flat_ones_are_left
     for (std::size_t v = 0; v < smooth.vertices.size(); ++v) {
         if (smooth.vertices[v].z != 1.0f) continue;
         ++ridge;
-        EXPECT_LT((smooth.normals[v] - Vec3f(0, 0, 1)).length(), 1e-6f);   // (-1, 0, 1) + (1, 0, 1)
+        EXPECT_LT((smooth.normals[v] - Vec3f(0, 0, 1)).length(), 1e-6f);  // (-1, 0, 1) + (1, 0, 1)
     }
     EXPECT_GE(ridge, 2);
     EXPECT_TRUE(read_mesh_file(path, {.smooth = false}, {}).normals.empty());

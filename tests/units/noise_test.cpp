@@ -26,7 +26,7 @@ double random(std::uint64_t i, double scale)
 
 TEST(Noise, lattice_hash_equals_the_golden_values)
 {
-    nlohmann::json values = golden();   // kept: the loop refers into it
+    nlohmann::json values = golden();  // kept: the loop refers into it
     ASSERT_FALSE(values["hash"].empty());
     for (const auto& row : values["hash"]) {
         EXPECT_EQ(lattice_hash(static_cast<std::uint32_t>(row["ix"].get<int>()), static_cast<std::uint32_t>(row["iy"].get<int>()),
@@ -37,7 +37,7 @@ TEST(Noise, lattice_hash_equals_the_golden_values)
 
 TEST(Noise, value_and_gradient_equal_the_golden_values)
 {
-    nlohmann::json values = golden();   // kept: the loop refers into it
+    nlohmann::json values = golden();  // kept: the loop refers into it
     ASSERT_FALSE(values["noise"].empty());
     for (const auto& row : values["noise"]) {
         const Noise2 n = gradient_noise(Vec2d(row["p"][0].get<double>(), row["p"][1].get<double>()), 7);

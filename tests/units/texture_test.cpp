@@ -17,7 +17,8 @@ using namespace hoodoo;
 
 using hoodoo::testing::count;
 
-namespace {
+namespace
+{
 
 /// An uncompressed TIFF of 8 bits, written by hand so that the tests do not lean on the library they test: little-endian, one strip, three channels.
 std::string tiff(int width, int height, const std::function<std::array<int, 3>(int x, int y)>& pixel)
@@ -31,20 +32,23 @@ std::string tiff(int width, int height, const std::function<std::array<int, 3>(i
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
             for (const int c : pixel(x, y)) bytes += static_cast<char>(c);
-    for (int c = 0; c < 3; ++c) put16(8);   // bits a sample
+    for (int c = 0; c < 3; ++c) put16(8);  // bits a sample
     const auto w = static_cast<unsigned>(width), h = static_cast<unsigned>(height);
-    const std::vector<std::array<unsigned, 4>> tags = {{256, 4, 1, w}, {257, 4, 1, h}, {258, 3, 3, 8 + pixels}, {259, 3, 1, 1}, {262, 3, 1, 2}, {273, 4, 1, 8}, {277, 3, 1, 3}, {278, 4, 1, h}, {279, 4, 1, pixels}};
+    const std::vector<std::array<unsigned, 4>> tags = {{256, 4, 1, w}, {257, 4, 1, h}, {258, 3, 3, 8 + pixels}, {259, 3, 1, 1},     {262, 3, 1, 2},
+                                                       {273, 4, 1, 8}, {277, 3, 1, 3}, {278, 4, 1, h},          {279, 4, 1, pixels}};
     put16(static_cast<unsigned>(tags.size()));
     for (const auto& [tag, type, count, value] : tags) put16(tag), put16(type), put32(count), put32(value);
     put32(0);
     return bytes;
 }
 
-class TextureFile : public ::testing::Test {
+class TextureFile : public ::testing::Test
+{
 protected:
     void SetUp() override
     {
-        folder_ = std::filesystem::temp_directory_path() / ("hoodoo_texture_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+        folder_ = std::filesystem::temp_directory_path() /
+                  ("hoodoo_texture_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
         std::filesystem::create_directories(folder_);
     }
     void TearDown() override { std::filesystem::remove_all(folder_); }
@@ -112,7 +116,8 @@ TEST_F(TextureFile, the_image_stands_upright_and_repeats)
 {
     const Texture texture(write("a.tif", quarters()), {.stochastic = false}, {});
     for (const Vec2d& repeat : {Vec2d(0, 0), Vec2d(3, -7), Vec2d(1e6, 1e6)}) {
-        EXPECT_LT((texture.lookup(Vec2d(0.25, 0.75) + repeat, 0.0) - Vec3f(1, 0, 0)).length(), 1e-3f) << repeat;   // v upwards: the first row is the top
+        EXPECT_LT((texture.lookup(Vec2d(0.25, 0.75) + repeat, 0.0) - Vec3f(1, 0, 0)).length(), 1e-3f)
+            << repeat;  // v upwards: the first row is the top
         EXPECT_LT((texture.lookup(Vec2d(0.75, 0.75) + repeat, 0.0) - Vec3f(0, 1, 0)).length(), 1e-3f);
         EXPECT_LT((texture.lookup(Vec2d(0.25, 0.25) + repeat, 0.0) - Vec3f(0, 0, 1)).length(), 1e-3f);
         EXPECT_LT((texture.lookup(Vec2d(0.75, 0.25) + repeat, 0.0) - Vec3f(1, 1, 1)).length(), 1e-3f);
@@ -123,7 +128,9 @@ TEST_F(TextureFile, wide_footprints_average_linear_numbers)
 {
     // Fine stripes of black and white average to one half; if the file is in sRGB, black and 188 average to half of the linear value of 188, which is
     // ((188/255 + 0.055) / 1.055)^2.4 = 0.5029, so 0.2514: averaging the codes first would give ((94/255 + .055) / 1.055)^2.4 = 0.1119.
-    const auto stripes = [](int white) { return tiff(64, 64, [white](int x, int) { return std::array<int, 3>{x % 2 * white, x % 2 * white, x % 2 * white}; }); };
+    const auto stripes = [](int white) {
+        return tiff(64, 64, [white](int x, int) { return std::array<int, 3>{x % 2 * white, x % 2 * white, x % 2 * white}; });
+    };
     const Texture linear(write("a.tif", stripes(255)), {.stochastic = false}, {});
     const Texture srgb(write("b.tif", stripes(188)), {.encoding = TextureEncoding::srgb, .stochastic = false}, {});
     for (const double footprint : {0.1, 0.3, 1.0, 50.0})
@@ -140,7 +147,8 @@ TEST_F(TextureFile, levels_that_a_tool_averaged_in_srgb_are_made_anew)
     // maketx averages the codes: its coarser levels of these stripes hold 94, which is 0.1119 and not 0.2514.
     const std::string path = write("a.tif", tiff(64, 64, [](int x, int) { return std::array<int, 3>{x % 2 * 188, x % 2 * 188, x % 2 * 188}; }));
     const std::string tiled = (folder_ / "a.tx").string();
-    if (std::system(("maketx --wrap periodic " + path + " -o " + tiled + " > /dev/null 2>&1").c_str()) != 0) GTEST_SKIP() << "needs maketx of openimageio-tools";
+    if (std::system(("maketx --wrap periodic " + path + " -o " + tiled + " > /dev/null 2>&1").c_str()) != 0)
+        GTEST_SKIP() << "needs maketx of openimageio-tools";
     const Texture texture(tiled, {.encoding = TextureEncoding::srgb, .stochastic = false}, {});
     for (const double footprint : {0.1, 0.3, 0.9}) EXPECT_NEAR(texture.lookup(Vec2d(0.31, 0.64), footprint).x, 0.2514f, 0.005f) << footprint;
 }
@@ -149,9 +157,9 @@ TEST_F(TextureFile, hex_tiling_keeps_mean_and_variance_and_forgets_the_period)
 {
     // White noise of period one repeat. With the plain image the correlation at a lag of one repeat is 1; with hashed tiles it is that of chance.
     const std::string path = write("a.tif", tiff(64, 64, [](int x, int y) {
-        const int v = static_cast<int>(255 * unit_real(hash_cell(3, x / 4, y / 4)));
-        return std::array<int, 3>{v, v, v};
-    }));
+                                       const int v = static_cast<int>(255 * unit_real(hash_cell(3, x / 4, y / 4)));
+                                       return std::array<int, 3>{v, v, v};
+                                   }));
     for (const bool stochastic : {false, true}) {
         const Texture texture(path, {.stochastic = stochastic, .seed = 7}, {});
         double mean = 0.0, square = 0.0, product = 0.0;
@@ -189,9 +197,9 @@ TEST_F(TextureFile, triplanar_projects_the_planes_that_face_the_surface)
 
 TEST_F(TextureFile, normal_maps_tilt_the_right_way_on_every_side)
 {
-    // The map leans right (n_x > 0) and, in another file, up (n_y > 0): 0.6, 0, 0.8. On a face the normal must lean along the texture's first (second)
-    // axis, whatever the sign of the face.
-    const auto map = [](int r, int g) { return tiff(16, 16, [=](int, int) { return std::array<int, 3>{r, g, 230}; }); };   // 204: 0.6, 230: 0.804
+    // The map leans right (n_x > 0) and, in another file, up (n_y > 0): 0.6, 0, 0.8. On a face the normal must lean along the texture's first
+    // (second) axis, whatever the sign of the face.
+    const auto map = [](int r, int g) { return tiff(16, 16, [=](int, int) { return std::array<int, 3>{r, g, 230}; }); };  // 204: 0.6, 230: 0.804
     const auto right = look_with({{"normal_texture", write("r.tif", map(204, 128))}, {"procedural", "plain"}});
     const auto up = look_with({{"normal_texture", write("u.tif", map(128, 204))}, {"procedural", "plain"}});
     for (const double side : {1.0, -1.0}) {
@@ -225,7 +233,8 @@ TEST_F(TextureFile, bad_files_are_errors_with_the_position_in_the_scene)
     EXPECT_NE(error_of(write("empty.exr", "")), "no error");
     EXPECT_NE(error_of(folder_.string() + "/../"), "no error");
     const std::string good = quarters();
-    for (int i = 1; i < 20; ++i) error_of(write("cut.tif", good.substr(0, good.size() * static_cast<std::size_t>(i) / 20)));   // any answer but a signal
+    for (int i = 1; i < 20; ++i)
+        error_of(write("cut.tif", good.substr(0, good.size() * static_cast<std::size_t>(i) / 20)));  // any answer but a signal
     EXPECT_NE(error_of(write("half.tif", good.substr(0, good.size() / 2))), "no error");
 }
 
@@ -258,7 +267,8 @@ TEST_F(TextureFile, bombs_are_refused_before_anything_is_allocated)
             for (std::size_t k = 0; k < 4; ++k) bytes[at + k] = static_cast<char>(size >> (8 * k) & 255);
         return bytes;
     };
-    EXPECT_NE(error_of(write("a.tif", claim(16384))).find("claims more pixels than its bytes can hold"), std::string::npos) << error_of(write("a.tif", claim(16384)));
+    EXPECT_NE(error_of(write("a.tif", claim(16384))).find("claims more pixels than its bytes can hold"), std::string::npos)
+        << error_of(write("a.tif", claim(16384)));
     const std::string huge = error_of(write("b.tif", claim(1000000)));
     EXPECT_NE(huge, "no error");
 }

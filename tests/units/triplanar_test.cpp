@@ -10,7 +10,8 @@
 
 using namespace hoodoo;
 
-namespace {
+namespace
+{
 
 Vec3d random_unit(int i)
 {
@@ -53,7 +54,7 @@ TEST(Triplanar, lookup_weights_leave_out_what_cannot_be_seen_without_a_jump)
         const double a = 1.5707963267948966 * i / steps;
         const Vec3d w = triplanar_lookup_weights(Vec3d(std::sin(a), 0.0, std::cos(a)), 8.0);
         EXPECT_NEAR(w.x + w.y + w.z, 1.0, 1e-14);
-        EXPECT_LT((w - before).length(), 10.0 * 1.5707963267948966 / steps);   // d/da of t^8/(1+t^8) is at most 4 at 45 degrees, times sqrt 2
+        EXPECT_LT((w - before).length(), 10.0 * 1.5707963267948966 / steps);  // d/da of t^8/(1+t^8) is at most 4 at 45 degrees, times sqrt 2
         before = w;
     }
 }
