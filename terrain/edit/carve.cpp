@@ -5,6 +5,7 @@
 // Deviation: a column is cut where its middle is cut. Missing: the brushes and prisms of the paper.
 #include "terrain/edit/carve.h"
 
+#include "terrain/edit/rows.h"
 #include "terrain/error.h"
 #include "terrain/math/noise.h"
 #include "terrain/stack/merge_and_sort.h"
@@ -148,7 +149,7 @@ std::vector<Layer> removed(std::span<const Layer> layers, std::span<const Run> c
 
 }  // namespace
 
-std::size_t carve(MaterialStack& stack, const Sweep& sweep)
+ColumnSet carve(MaterialStack& stack, const Sweep& sweep)
 {
     check(sweep);
     const std::vector<Ball> balls = balls_of(sweep, stack.cell(), stack.unit());
@@ -159,12 +160,12 @@ std::size_t carve(MaterialStack& stack, const Sweep& sweep)
     }
     const Vec2i x = middles(box.min.x / stack.cell(), box.max.x / stack.cell(), stack.size().x);
     const Vec2i y = middles(box.min.y / stack.cell(), box.max.y / stack.cell(), stack.size().y);
-    if (x.x >= x.y || y.x >= y.y) return 0;
+    if (x.x >= x.y || y.x >= y.y) return ColumnSet(stack.size());
     Cuts cuts{{x.x, y.x}, {x.y, y.y}, {}};
     cuts.of.resize(static_cast<std::size_t>(x.y - x.x) * static_cast<std::size_t>(y.y - y.x));
     for (const Ball& ball : balls) add_ball(stack, sweep, ball, cuts);
 
-    std::size_t changed = 0;
+    std::vector<std::uint32_t> changed;
     std::vector<std::vector<Layer>> columns;
     columns.reserve(cuts.of.size());
     for (int j = y.x; j < y.y; ++j) {
@@ -173,14 +174,57 @@ std::size_t carve(MaterialStack& stack, const Sweep& sweep)
             unite(cuts.at(i, j));
             std::vector<Layer> rest = removed(column, cuts.at(i, j));
             if (rest != column) {
-                ++changed;
+                changed.push_back(ColumnSet(stack.size()).index(i, j));
                 rest = merge_and_sort(rest);
             }
             columns.push_back(std::move(rest));
         }
     }
     stack.set_columns(cuts.from, cuts.to, columns);
-    return changed;
+    return {stack.size(), std::move(changed)};
+}
+
+EditTool carve_tool()
+{
+    Schema schema{"carve", "Removes what a ball touches that moves along a line.", {}};
+    schema.parameters = {
+        {.name = "points", .type = ParameterType::points, .doc = "The line.", .required = true, .unit = "m", .min_count = 1, .max_count = 100000},
+        {.name = "radius",
+         .type = ParameterType::vector,
+         .doc = "One radius, or one for each point.",
+         .required = true,
+         .unit = "m",
+         .minimum = 0,
+         .above_minimum = true,
+         .min_count = 1,
+         .max_count = 100000},
+        {.name = "roughness",
+         .type = ParameterType::number,
+         .doc = "Share of the radius by which noise moves the wall.",
+         .fallback = 0.0,
+         .minimum = 0,
+         .maximum = 0.95},
+        {.name = "wavelength",
+         .type = ParameterType::length,
+         .doc = "Size of that noise; the radius by default.",
+         .unit = "m",
+         .minimum = 0,
+         .above_minimum = true},
+    };
+    const auto apply = [](MaterialStack& stack, const Values& edit, const EditContext& context) {
+        Sweep sweep;
+        sweep.points = edit.points("points");
+        sweep.radii = edit.vector("radius");
+        if (sweep.radii.size() != 1 && sweep.radii.size() != sweep.points.size()) {
+            throw edit.problem("radius", "radii of a carving", fmt::format("one, or one for each of the {} points", sweep.points.size()),
+                               fmt::to_string(sweep.radii.size()));
+        }
+        sweep.roughness = edit.number("roughness");
+        sweep.wavelength = edit.has("wavelength") ? edit.number("wavelength") : sweep.radii[0];
+        sweep.seed = static_cast<std::uint32_t>(context.seed);
+        return carve(stack, sweep);
+    };
+    return {std::move(schema), apply};
 }
 
 }  // namespace hoodoo

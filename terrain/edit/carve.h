@@ -1,9 +1,8 @@
 // The first tool: a ball moved along a line removes what it touches. Arches, caves and overhangs begin with it.
 #pragma once
 
+#include "terrain/stack/column_set.h"
 #include "terrain/stack/material_stack.h"
-
-#include <cstddef>
 
 namespace hoodoo
 {
@@ -18,7 +17,7 @@ struct Sweep {
 };
 
 /// Turns everything inside the sweep to air, then settles the columns it changed (merge_and_sort). Nothing below the stack's origin can be removed.
-/// Returns how many columns changed. Throws Error (scene) if the sweep makes no sense or would take more than 1e7 steps.
-std::size_t carve(MaterialStack& stack, const Sweep& sweep);
+/// Returns the columns that changed. Throws Error (scene) if the sweep makes no sense or would take more than 1e7 steps.
+ColumnSet carve(MaterialStack& stack, const Sweep& sweep);
 
 }  // namespace hoodoo

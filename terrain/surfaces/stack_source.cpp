@@ -6,7 +6,7 @@
 // `fill`. Missing: wind, which would make the drift one-sided; layers that follow another layer's boundary in depth.
 #include "terrain/surfaces/stack_source.h"
 
-#include "terrain/edit/carve.h"
+#include "terrain/edit/tools.h"
 #include "terrain/error.h"
 #include "terrain/fields/height_shapes.h"
 #include "terrain/io/height_image.h"
@@ -94,37 +94,6 @@ std::vector<Schema> layer_schemas()
             {.name = "name", .type = ParameterType::text, .doc = "Seeds the layer's noise; by default its number.", .fallback = std::string()});
     }
     return all;
-}
-
-Schema carve_schema()
-{
-    Schema carve{"carve", "Removes what a ball touches that moves along a line.", {}};
-    carve.parameters = {
-        {.name = "points", .type = ParameterType::points, .doc = "The line.", .required = true, .unit = "m", .min_count = 1, .max_count = 100000},
-        {.name = "radius",
-         .type = ParameterType::vector,
-         .doc = "One radius, or one for each point.",
-         .required = true,
-         .unit = "m",
-         .minimum = 0,
-         .above_minimum = true,
-         .min_count = 1,
-         .max_count = 100000},
-        {.name = "roughness",
-         .type = ParameterType::number,
-         .doc = "Share of the radius by which noise moves the wall.",
-         .fallback = 0.0,
-         .minimum = 0,
-         .maximum = 0.95},
-        {.name = "wavelength",
-         .type = ParameterType::length,
-         .doc = "Size of that noise; the radius by default.",
-         .unit = "m",
-         .minimum = 0,
-         .above_minimum = true},
-        {.name = "name", .type = ParameterType::text, .doc = "Seeds the noise; by default the edit's number.", .fallback = std::string()},
-    };
-    return carve;
 }
 
 /// The grid, and images already read: an image may say how large the grid is.
@@ -237,26 +206,6 @@ std::vector<Grid> layer_tops(const Values& values, const BuildContext& context, 
     return tops;
 }
 
-void apply_edits(const Values& values, const BuildContext& context, MaterialStack& stack)
-{
-    const std::vector<Values>& edits = values.tables("edit");
-    for (std::size_t k = 0; k < edits.size(); ++k) {
-        const Values& edit = edits[k];
-        Sweep sweep;
-        sweep.points = edit.points("points");
-        sweep.radii = edit.vector("radius");
-        if (sweep.radii.size() != 1 && sweep.radii.size() != sweep.points.size()) {
-            throw edit.problem("radius", "radii of a carving", fmt::format("one, or one for each of the {} points", sweep.points.size()),
-                               fmt::to_string(sweep.radii.size()));
-        }
-        sweep.roughness = edit.number("roughness");
-        sweep.wavelength = edit.has("wavelength") ? edit.number("wavelength") : sweep.radii[0];
-        const std::string& name = edit.text("name");
-        sweep.seed = static_cast<std::uint32_t>(hash_name(context.seed, name.empty() ? fmt::format("edit {}", k) : name));
-        carve(stack, sweep);
-    }
-}
-
 }  // namespace
 
 std::vector<Parameter> stack_parameters()
@@ -307,7 +256,7 @@ std::vector<Parameter> stack_parameters()
          .min_count = 0,
          .max_count = 100000,
          .discriminator = "tool",
-         .items = {carve_schema()}},
+         .items = edit_schemas()},
     };
 }
 
@@ -348,7 +297,8 @@ std::shared_ptr<MaterialStack> make_stack(const Values& values, const BuildConte
         }
         stack->set_columns({0, j0}, {plan.size.x, j1}, columns);
     }
-    apply_edits(values, context, *stack);
+    const std::vector<Values>& edits = values.tables("edit");
+    for (std::size_t k = 0; k < edits.size(); ++k) apply_edit(*stack, edits[k], context.seed, k, {.resolve = context.resolve});
     return stack;
 }
 

@@ -1,0 +1,11 @@
+// The rows of the tools' table: one function each, defined in terrain/edit/NAME.cpp.
+#pragma once
+
+#include "terrain/edit/tools.h"
+
+namespace hoodoo
+{
+
+EditTool carve_tool();
+
+}  // namespace hoodoo

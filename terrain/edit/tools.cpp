@@ -1,0 +1,45 @@
+// Every edit tool, one row each: open this file first. A tool is made in terrain/edit/NAME.cpp, which says what it does and from which paper.
+// As in Peytavie2009, section 3.4, an edit ends by itself with merge and sort.
+#include "terrain/edit/tools.h"
+
+#include "terrain/edit/rows.h"
+#include "terrain/error.h"
+#include "terrain/math/hash.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace hoodoo
+{
+
+std::span<const EditTool> edit_tools()
+{
+    static const std::vector<EditTool> rows = {
+        carve_tool(),
+    };
+    return rows;
+}
+
+std::vector<Schema> edit_schemas()
+{
+    std::vector<Schema> schemas;
+    for (const EditTool& tool : edit_tools()) {
+        Schema& schema = schemas.emplace_back(tool.schema);
+        schema.parameters.push_back(
+            {.name = "name", .type = ParameterType::text, .doc = "Seeds the edit's noise; by default its number.", .fallback = std::string()});
+    }
+    return schemas;
+}
+
+ColumnSet apply_edit(MaterialStack& stack, const Values& edit, std::uint64_t seed, std::size_t number, EditContext context)
+{
+    const auto tools = edit_tools();
+    const auto tool = std::find_if(tools.begin(), tools.end(), [&](const EditTool& t) { return t.schema.name == edit.variant(); });
+    if (tool == tools.end()) throw Error(ErrorKind::internal, "no edit tool is called " + edit.variant());
+    const std::string& name = edit.text("name");
+    context.seed = hash_name(seed, name.empty() ? fmt::format("edit {}", number) : name);
+    return tool->apply(stack, edit, context);
+}
+
+}  // namespace hoodoo
