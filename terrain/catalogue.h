@@ -4,6 +4,7 @@
 #include "terrain/schema.h"
 #include "terrain/shape.h"
 
+#include <array>
 #include <functional>
 #include <span>
 #include <string>
@@ -16,6 +17,8 @@ struct BuildContext {
     std::string name;        ///< the node's name in the scene
     std::uint64_t seed = 0;  ///< hashed from that name (or the node's own `seed`)
     int threads = 0;         ///< 0 = all of the current TBB arena
+    /// Seconds of the scene's time at which Ray::time is 0 and 1: the shutter's opening and closing. What moves is a function of that time.
+    std::array<double, 2> shutter{0.0, 0.0};
     /// A file named in a scene -> the path to open. Confined to the declared roots; throws Error at `where` if it is outside or absent.
     std::function<std::string(const std::string& path, const Source& where)> resolve = [](const std::string& p, const Source&) { return p; };
     std::function<void(double fraction, const std::string& what)> progress;  ///< may be empty

@@ -129,8 +129,10 @@ void SceneParameters::apply(Node& root, const SceneOverrides& overrides)
     }
 
     // The command line replaces defaults; it invents nothing but the two names that are always known.
+    const bool own_time = params.find("t") != nullptr;
     for (const char* name : {"t", "frame"})
         if (!params.find(name)) entries->insert(entries->begin(), {name, number_node(0.0, Node{})});
+    if (overrides.frame) *child(params, "frame") = number_node(static_cast<double>(*overrides.frame), Node{});
     for (const auto& [name, value] : overrides.params) {
         const std::string argument = name + "=" + value;
         Node given = parse_toml_value(value, {"-D", 1, static_cast<int>(name.size()) + 2, argument});
@@ -140,8 +142,38 @@ void SceneParameters::apply(Node& root, const SceneOverrides& overrides)
             problems_.push_back(
                 {{"-D", 1, 1, argument}, fmt::format("the scene has no parameter \"{}\"", name), {}, {}, nearest_name(name, keys(params))});
     }
+    const bool given = std::any_of(overrides.params.begin(), overrides.params.end(), [](const auto& p) { return p.first == "t"; });
+    if (!own_time && !given) derive_time(params, root);
     for (auto& [name, node] : *entries) define(name, std::move(node));
     substitute(root, 0);
+}
+
+void SceneParameters::derive_time(Node& params, const Node& root)
+{
+    const auto value = [](const Node* node) -> std::optional<double> {
+        if (node)
+            if (const auto* i = std::get_if<std::int64_t>(&node->value)) return static_cast<double>(*i);
+        if (node)
+            if (const auto* x = std::get_if<double>(&node->value)) return *x;
+        return std::nullopt;
+    };
+    const Node *film = root.find("film"), *written = film ? film->find("fps") : nullptr;
+    if (written && std::holds_alternative<std::string>(written->value)) {
+        problems_.push_back({written->where, "film.fps cannot be computed", "a plain number: the parameter t follows from it", {}, {}});
+        return;
+    }
+    const double fps = value(written).value_or(24.0);
+    const std::optional<double> frame = value(params.find("frame"));
+    if (frame && fps > 0.0) *child(params, "t") = number_node(*frame / fps, Node{});
+}
+
+double SceneParameters::number(const std::string& name) const
+{
+    const auto found = values_.find(name);
+    if (found == values_.end()) return 0.0;
+    if (const auto* i = std::get_if<std::int64_t>(&found->second.value)) return static_cast<double>(*i);
+    const auto* x = std::get_if<double>(&found->second.value);
+    return x ? *x : 0.0;
 }
 
 void SceneParameters::define(const std::string& name, Node node)

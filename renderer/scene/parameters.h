@@ -22,7 +22,11 @@ public:
     SceneParameters(SceneBudget& budget, std::vector<Problem>& problems) : budget_(budget), problems_(problems) {}
     void apply(Node& root, const SceneOverrides& overrides);
 
+    /// What `frame` and `t` came to be; 0 if they are no numbers.
+    double number(const std::string& name) const;
+
 private:
+    void derive_time(Node& params, const Node& root);
     void define(const std::string& name, Node node);
     void substitute(Node& node, int depth);
     void compute(Node& node, const std::string& expression);

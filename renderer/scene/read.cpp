@@ -13,6 +13,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <tuple>
 
@@ -254,7 +255,8 @@ Description read_scene(const std::string& path_or_text, bool is_text, const Scen
 
     // Put in what the command line and the parameters say.
     apply_sets(root, overrides, problems);
-    SceneParameters(budget, problems).apply(root, overrides);
+    SceneParameters parameters(budget, problems);
+    parameters.apply(root, overrides);
 
     // Check it.
     Description scene;
@@ -262,6 +264,8 @@ Description read_scene(const std::string& path_or_text, bool is_text, const Scen
     check_version(root, scene.file, problems);
     const auto seed = take_seed(root, problems);
     scene.seed = overrides.seed.value_or(seed.value_or(0));
+    scene.frame = std::llround(parameters.number("frame"));
+    scene.time = parameters.number("t");
     scene.hash = hash_of(root, scene.seed);
     SceneChecker(scene, problems).check_all(std::move(root));
     if (!problems.empty()) throw_all(ErrorKind::scene, std::move(problems));

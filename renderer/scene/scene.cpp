@@ -22,7 +22,7 @@ std::vector<std::string> catalogue_names()
     return names;
 }
 
-Shape make_shape(const DescribedNode& node, const Description& description, const SceneOptions& options)
+Shape make_shape(const DescribedNode& node, const Description& description, const Camera& camera, const SceneOptions& options)
 {
     const CatalogueEntry* entry = find_in_catalogue(node.type);
     if (!entry)
@@ -32,6 +32,7 @@ Shape make_shape(const DescribedNode& node, const Description& description, cons
     context.name = node.name;
     context.seed = node.seed;
     context.threads = options.threads;
+    context.shutter = {description.time + camera.shutter_open(), description.time + camera.shutter_close()};
     if (description.resolve) context.resolve = description.resolve;
     if (options.progress) context.progress = [&](double fraction, const std::string& what) { options.progress(fraction, node.name + ": " + what); };
     return entry->make(node.values, context);
@@ -39,10 +40,10 @@ Shape make_shape(const DescribedNode& node, const Description& description, cons
 
 SceneParts make_parts(const Description& description, const SceneOptions& options)
 {
-    SceneParts parts{Camera(description.camera), {}, {}, {}, {}};
+    SceneParts parts{Camera(description.camera, {description.time, description.film.number("fps")}), {}, {}, {}, {}};
     for (const DescribedNode& node : description.terrains) {
         if (options.progress) options.progress(0.0, node.name);
-        parts.shapes.push_back(make_shape(node, description, options));
+        parts.shapes.push_back(make_shape(node, description, parts.camera, options));
         parts.objects.push_back({node.name, node.type, {}, {}});
     }
     for (const DescribedNode& node : description.materials)
@@ -120,7 +121,7 @@ void Scene::check_camera() const
 {
     for (std::size_t i = 0; i < shapes_.size(); ++i) {
         const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shapes_[i]);
-        if (surface && (*surface)->contains(camera_.eye()))
+        if (surface && ((*surface)->contains(camera_.eye(0.0)) || (*surface)->contains(camera_.eye(1.0))))
             throw Error(ErrorKind::scene,
                         Problem{camera_.where(), "the camera stands inside the terrain \"" + objects_[i].name + "\"", "an eye in air", {}, {}});
     }

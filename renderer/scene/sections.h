@@ -11,7 +11,7 @@ namespace hoodoo
 {
 
 /// width, height, filter ("blackman-harris", "gaussian", "box"), filter_width (pixels; absent: the filter's own), exposure (stops, of the PNG alone),
-/// colorconfig, display, view (absent: the colour configuration's defaults).
+/// fps, colorconfig, display, view (absent: the colour configuration's defaults).
 const Schema& film_schema();
 
 /// spp, max_depth (scattering events; 0 = unlimited), roulette_depth, replicates.

@@ -105,10 +105,10 @@ Vec3f escaped(const Scene& scene, const Vec3d& direction, double pdf)
     return sum;
 }
 
-void record_first_hit(const Scene& scene, const Vertex& v, std::uint32_t object, std::span<float> shares, PixelSample& out)
+void record_first_hit(const Scene& scene, const Vertex& v, double time, std::uint32_t object, std::span<float> shares, PixelSample& out)
 {
     out.alpha = 1.0f;
-    out.z = static_cast<float>(scene.camera().depth(v.at.position));
+    out.z = static_cast<float>(scene.camera().depth(v.at.position, time));
     out.position = Vec3f(v.at.position);
     out.shading_normal = Vec3f(v.look.normal);
     out.geometric_normal = Vec3f(v.at.geometric_normal);
@@ -154,7 +154,7 @@ PixelSample trace_path(const Scene& scene, const PathSettings& settings, const R
             return out;
         }
         const Vertex v = make_vertex(scene, ray, hit);
-        if (events == 0) record_first_hit(scene, v, hit.object, shares, out);
+        if (events == 0) record_first_hit(scene, v, ray.time, hit.object, shares, out);
         const std::uint32_t set = 1 + static_cast<std::uint32_t>(events) * sets_an_event;
 
         // Light that arrives straight from the lights.

@@ -76,10 +76,10 @@ TEST(Camera, matrices_say_the_same_as_rays)
         Imath::V3f seen, ndc;
         camera.world_to_camera().multVecMatrix(Imath::V3f(p), seen);
         camera.world_to_ndc(size).multVecMatrix(Imath::V3f(p), ndc);
-        EXPECT_NEAR(seen.z, camera.depth(p), 1e-5);
+        EXPECT_NEAR(seen.z, camera.depth(p, 0.0), 1e-5);
         EXPECT_NEAR(ndc.x, film.x / size.x, 1e-5);
         EXPECT_NEAR(ndc.y, film.y / size.y, 1e-5);
-        EXPECT_NEAR(ndc.z, 1.0 - 1.0 / camera.depth(p), 1e-5);
+        EXPECT_NEAR(ndc.z, 1.0 - 1.0 / camera.depth(p, 0.0), 1e-5);
     }
 }
 
@@ -90,7 +90,7 @@ TEST(Camera, contradictions_are_named)
     EXPECT_EQ(problem_of({eye, {"target", vector(0, 0, 5)}}), "target and eye are the same point");
     EXPECT_EQ(problem_of({eye, {"target", vector(0, 0, 9)}}), "up is zero or lies along the view");
     EXPECT_EQ(problem_of({eye, {"target", vector(0, 9, 5)}, {"hfov_deg", number(40)}, {"vfov_deg", number(40)}}), "hfov and vfov exclude each other");
-    EXPECT_EQ(problem_of({eye, {"target", vector(0, 9, 5)}, {"shutter_open", number(0.5)}}), "the shutter closes before it opens");
+    EXPECT_EQ(problem_of({eye, {"target", vector(0, 9, 5)}, {"shutter_open", number(0.5)}, {"shutter_close", number(0.25)}}), "the shutter closes before it opens");
 }
 
 }  // namespace
