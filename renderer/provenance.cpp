@@ -88,8 +88,13 @@ std::map<std::string, Attribute> provenance(const LoadedScene& loaded, const Ren
     facts["hoodoo:processor"] = processor_name();
     facts["hoodoo:instructionSet"] = isa_name(selected_isa());
     facts["hoodoo:sceneHash"] = fmt::format("{:016x}", scene.hash);
+    facts["hoodoo:picture"] = picture_key(scene, options);
     facts["hoodoo:seed"] = fmt::format("{}", seed);
     facts["hoodoo:spp"] = layout.samples;
+    facts["hoodoo:frame"] = static_cast<int>(scene.frame);
+    facts["hoodoo:lockedSeed"] = options.lock_seed ? 1 : 0;
+    facts["hoodoo:fps"] = static_cast<float>(scene.film.number("fps"));
+    facts["hoodoo:exposure"] = static_cast<float>(scene.film.number("exposure"));
     facts["hoodoo:replicates"] = layout.replicates;
     facts["hoodoo:maxDepth"] = static_cast<int>(scene.render.integer("max_depth"));
     facts["hoodoo:filter"] = scene.film.text("filter");

@@ -1,8 +1,9 @@
 // The whole program on one page: read, build, trace, develop, write.
 //
-// Missing: checkpoints, more than one frame, motion of the camera.
+// Missing: checkpoints within a picture.
 #include "renderer/render.h"
 
+#include "renderer/build_info.h"
 #include "renderer/film/film.h"
 #include "renderer/film/write.h"
 #include "renderer/provenance.h"
@@ -67,25 +68,6 @@ PixelBounds data_window(const RenderOptions& options, int width, int height)
     return {pixel(x0, width), pixel(x1, width), pixel(y0, height), pixel(y1, height)};
 }
 
-FilmLayout layout_of(const LoadedScene& loaded, const RenderOptions& options)
-{
-    const Values &film = loaded.description.film, &work = loaded.description.render;
-    FilmLayout layout;
-    layout.width = options.width.value_or(static_cast<int>(film.integer("width")));
-    layout.height = options.height.value_or(static_cast<int>(film.integer("height")));
-    layout.samples = options.spp.value_or(static_cast<int>(work.integer("spp")));
-    layout.replicates = options.replicates.value_or(static_cast<int>(work.integer("replicates")));
-    if (layout.width < 1 || layout.height < 1 || layout.samples < 1 || layout.replicates < 1)
-        throw Error(ErrorKind::scene, "a picture needs at least one pixel, one sample and one replicate");
-    if (const std::string what = too_large(layout.width, layout.height, layout.samples); !what.empty()) throw Error(ErrorKind::scene, what);
-    if (options.quick)
-        for (int* number : {&layout.width, &layout.height, &layout.samples}) *number = std::max(1, *number / 4);
-    layout.replicates = std::min(layout.replicates, layout.samples);
-    layout.data = data_window(options, layout.width, layout.height);
-    layout.materials = loaded.scene->material_names();
-    return layout;
-}
-
 }  // namespace
 
 LoadedScene load_scene(const std::string& text_or_path, bool is_text, const SceneOverrides& overrides, int threads, const std::string& colorconfig,
@@ -111,16 +93,37 @@ LoadedScene load_scene(const std::string& text_or_path, bool is_text, const Scen
     return loaded;
 }
 
+FilmLayout picture_layout(const Description& description, const RenderOptions& options)
+{
+    const Values &film = description.film, &work = description.render;
+    FilmLayout layout;
+    layout.width = options.width.value_or(static_cast<int>(film.integer("width")));
+    layout.height = options.height.value_or(static_cast<int>(film.integer("height")));
+    layout.samples = options.spp.value_or(static_cast<int>(work.integer("spp")));
+    layout.replicates = options.replicates.value_or(static_cast<int>(work.integer("replicates")));
+    if (layout.width < 1 || layout.height < 1 || layout.samples < 1 || layout.replicates < 1)
+        throw Error(ErrorKind::scene, "a picture needs at least one pixel, one sample and one replicate");
+    if (const std::string what = too_large(layout.width, layout.height, layout.samples); !what.empty()) throw Error(ErrorKind::scene, what);
+    if (options.quick)
+        for (int* number : {&layout.width, &layout.height, &layout.samples}) *number = std::max(1, *number / 4);
+    layout.replicates = std::min(layout.replicates, layout.samples);
+    layout.data = data_window(options, layout.width, layout.height);
+    return layout;
+}
+
 Image render(const LoadedScene& loaded, const RenderOptions& options)
 {
     const auto start = std::chrono::steady_clock::now();
     const Values &picture = loaded.description.film, &work = loaded.description.render;
-    Film film(layout_of(loaded, options));
+    FilmLayout layout = picture_layout(loaded.description, options);
+    layout.materials = loaded.scene->material_names();
+    Film film(std::move(layout));
 
     PathSettings path;
     path.max_depth = static_cast<int>(work.integer("max_depth"));
     path.roulette_depth = static_cast<int>(work.integer("roulette_depth"));
     path.seed = options.seed.value_or(loaded.description.seed);
+    path.frame = options.lock_seed ? 0u : static_cast<std::uint32_t>(loaded.description.frame);
 
     TileSettings tiles;
     tiles.filter = Filter(picture.text("filter"), picture.has("filter_width") ? picture.number("filter_width") : 0.0);
@@ -133,6 +136,29 @@ Image render(const LoadedScene& loaded, const RenderOptions& options)
     Image image = film.develop();
     image.metadata = provenance(loaded, options, film, path.seed, seconds_since(start));
     return image;
+}
+
+std::string picture_key(const Description& description, const RenderOptions& options)
+{
+    const FilmLayout layout = picture_layout(description, options);
+    const PixelBounds& d = layout.data;
+    const std::string frame = options.lock_seed ? fmt::format("{} locked", description.frame) : fmt::to_string(description.frame);
+    return fmt::format("scene {:016x}, frame {}, seed {}, {} samples in {}, {} x {}, {},{},{},{}, Hoodoo {}", description.hash, frame,
+                       options.seed.value_or(description.seed), layout.samples, layout.replicates, layout.width, layout.height, d.x0, d.x1, d.y0,
+                       d.y1, version());
+}
+
+bool is_rendered(const std::string& path, const std::string& key)
+{
+    try {
+        if (ending_of(path) == ".png") return read_png_text(path, "hoodoo:picture") == key;
+        const Image image = read_exr(path);
+        const auto found = image.metadata.find("hoodoo:picture");
+        const std::string* text = found == image.metadata.end() ? nullptr : std::get_if<std::string>(&found->second);
+        return text && *text == key;
+    } catch (const Error&) {
+        return false;
+    }
 }
 
 void check_picture_name(const std::string& path)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "renderer/film/color.h"
+#include "renderer/film/film.h"
 #include "renderer/film/image.h"
 #include "renderer/scene/scene.h"
 
@@ -26,6 +27,7 @@ struct RenderOptions {
     std::optional<std::uint64_t> seed;
     int threads = 0;                            ///< 0: all the process may use
     int tile_size = 32;                         ///< pixels; never changes the picture
+    bool lock_seed = false;                     ///< the same noise in every frame; else it differs by the frame's number
     bool quick = false;                         ///< a quarter of the width, of the height and of the samples
     bool pin_date = true;                       ///< DateTime in the header is fixed, so that equal pictures are equal files
     bool measurements = true;                   ///< renderTime and memory in the header: the one thing that differs from run to run
@@ -45,6 +47,16 @@ struct LoadedScene {
 /// Throws Error (scene, file, memory): everything that can be wrong with a scene, its display and view too, is found here, before the first ray.
 LoadedScene load_scene(const std::string& text_or_path, bool is_text, const SceneOverrides& overrides = {}, int threads = 0,
                        const std::string& colorconfig = {}, std::function<void(double, const std::string&)> progress = {});
+
+/// Size, window and samples of the picture that `options` ask of a scene; the materials are left out. Throws Error (scene) on a size that cannot be.
+FilmLayout picture_layout(const Description& description, const RenderOptions& options);
+
+/// What makes the picture that `options` ask of a scene this one and no other, in one line: scene hash, frame, seed, samples, size, window, version.
+/// It stands in the header of EXR and PNG as hoodoo:picture.
+std::string picture_key(const Description& description, const RenderOptions& options);
+
+/// Whether the file is there, can be read to its end, and has that key. Never throws for what is wrong with the file.
+bool is_rendered(const std::string& path, const std::string& key);
 
 /// Scene -> picture with its metadata. Returns an empty image if cancelled. Throws Error (scene) on options that the picture cannot have.
 Image render(const LoadedScene& loaded, const RenderOptions& options);

@@ -27,35 +27,12 @@ std::uint8_t quantise(float value)
     return static_cast<std::uint8_t>(std::floor(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f));
 }
 
-/// R, G, B of the data window as a screen shows them, row by row.
-std::vector<std::uint8_t> developed(const Image& image, const std::string& path, const ColorTransform& to_display, double exposure_stops)
-{
-    const Channel *red = image.find("R"), *green = image.find("G"), *blue = image.find("B");
-    if (!red || !green || !blue) throw Error(ErrorKind::internal, "a PNG needs the channels R, G and B");
-    const float scale = static_cast<float>(std::exp2(exposure_stops));
-    const std::size_t width = static_cast<std::size_t>(image.data.width());
-    std::vector<std::uint8_t> bytes;
-    bytes.reserve(3 * red->pixels.size());
-    std::vector<Vec3f> row(width);
-    for (std::size_t first = 0; first < red->pixels.size(); first += width) {
-        for (std::size_t x = 0; x < width; ++x) row[x] = Vec3f(red->pixels[first + x], green->pixels[first + x], blue->pixels[first + x]) * scale;
-        to_display(row);
-        for (std::size_t x = 0; x < width; ++x)
-            for (int c = 0; c < 3; ++c) {
-                if (!std::isfinite(row[x][c]))
-                    throw Error(ErrorKind::file, fmt::format("the file \"{}\" cannot be written: the pixel ({}, {}) is not a finite number", path,
-                                                             image.data.x0 + x, image.data.y0 + first / width));
-                bytes.push_back(quantise(row[x][c]));
-            }
-    }
-    return bytes;
-}
-
-std::vector<unsigned char> encode(const std::vector<std::uint8_t>& pixels, const PixelBounds& data, bool is_srgb)
+std::vector<unsigned char> encode(const std::vector<std::uint8_t>& pixels, const PixelBounds& data, bool is_srgb, const std::string& key)
 {
     OIIO::ImageSpec spec(data.width(), data.height(), 3, OIIO::TypeDesc::UINT8);
     if (is_srgb) spec.attribute("oiio:ColorSpace", "sRGB");
     spec.attribute("Software", "Hoodoo " HOODOO_VERSION);
+    if (!key.empty()) spec.attribute("hoodoo:picture", key);
     std::vector<unsigned char> encoded;
     OIIO::Filesystem::IOVecOutput memory(encoded);
     const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
@@ -90,16 +67,59 @@ void verify(const std::vector<std::uint8_t>& pixels, const PixelBounds& data, co
 
 }  // namespace
 
+std::vector<std::uint8_t> display_bytes(const Image& image, const ColorTransform& to_display, double exposure_stops)
+{
+    const Channel *red = image.find("R"), *green = image.find("G"), *blue = image.find("B");
+    if (!red || !green || !blue) throw Error(ErrorKind::internal, "a picture needs the channels R, G and B to be shown");
+    const float scale = static_cast<float>(std::exp2(exposure_stops));
+    const std::size_t width = static_cast<std::size_t>(image.data.width());
+    std::vector<std::uint8_t> bytes;
+    bytes.reserve(3 * red->pixels.size());
+    std::vector<Vec3f> row(width);
+    for (std::size_t first = 0; first < red->pixels.size(); first += width) {
+        for (std::size_t x = 0; x < width; ++x) row[x] = Vec3f(red->pixels[first + x], green->pixels[first + x], blue->pixels[first + x]) * scale;
+        to_display(row);
+        for (std::size_t x = 0; x < width; ++x)
+            for (int c = 0; c < 3; ++c) {
+                if (!std::isfinite(row[x][c]))
+                    throw Error(ErrorKind::file,
+                                fmt::format("the pixel ({}, {}) is not a finite number", image.data.x0 + x, image.data.y0 + first / width));
+                bytes.push_back(quantise(row[x][c]));
+            }
+    }
+    return bytes;
+}
+
 void write_png(const Image& image, const std::string& path, const ColorTransform& to_display, double exposure_stops, bool is_srgb)
 {
-    const std::vector<std::uint8_t> pixels = developed(image, path, to_display, exposure_stops);
+    std::vector<std::uint8_t> pixels;
+    try {
+        pixels = display_bytes(image, to_display, exposure_stops);
+    } catch (const Error& error) {
+        throw Error(error.kind(), fmt::format("the file \"{}\" cannot be written: {}", path, error.what()));
+    }
+    const auto found = image.metadata.find("hoodoo:picture");
+    const std::string* key = found == image.metadata.end() ? nullptr : std::get_if<std::string>(&found->second);
     write_atomically(
         path,
         [&](ByteSink& sink) {
-            const std::vector<unsigned char> encoded = encode(pixels, image.data, is_srgb);
+            const std::vector<unsigned char> encoded = encode(pixels, image.data, is_srgb, key ? *key : std::string());
             sink.write(encoded.data(), encoded.size());
         },
         [&](const std::string& temporary) { verify(pixels, image.data, temporary); });
+}
+
+std::string read_png_text(const std::string& path, const std::string& name)
+{
+    const auto refuse = [&](const std::string& why) -> std::string {
+        throw Error(ErrorKind::file, fmt::format("the file \"{}\" cannot be read: {}", path, why));
+    };
+    const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path);
+    if (!input) return refuse(OIIO::geterror());
+    input->threads(1);
+    std::vector<std::uint8_t> pixels(input->spec().image_pixels() * static_cast<std::size_t>(input->spec().nchannels));
+    if (!input->read_image(0, 0, 0, input->spec().nchannels, OIIO::TypeDesc::UINT8, pixels.data())) return refuse(input->geterror());
+    return std::string(input->spec().get_string_attribute(name));
 }
 
 }  // namespace hoodoo

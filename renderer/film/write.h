@@ -22,9 +22,17 @@ void write_exr(const Image& image, const std::string& path, ExrPrecision precisi
 /// Throws Error (file).
 Image read_exr(const std::string& path);
 
-/// Writes the data window's R, G, B as eight-bit PNG: times 2^exposure, through `to_display`, clamped to [0, 1] and rounded to the nearest. `is_srgb`
+/// The data window's R, G, B as a screen shows them, row by row: times 2^exposure, through `to_display`, clamped to [0, 1], rounded to eight bits.
+/// Throws Error (file) at a pixel that is not finite.
+std::vector<std::uint8_t> display_bytes(const Image& image, const ColorTransform& to_display, double exposure_stops);
+
+/// Writes the data window's R, G, B as eight-bit PNG, as display_bytes has them. `is_srgb`
 /// marks the file as sRGB. Alpha is left out, so that the sky stays visible. Atomic and verified; throws Error (file), also where a pixel is not
 /// finite.
+/// Keeps hoodoo:picture of the metadata as a text.
 void write_png(const Image& image, const std::string& path, const ColorTransform& to_display, double exposure_stops, bool is_srgb);
+
+/// Decodes all of a PNG and returns the text of that name, "" if it has none. Throws Error (file).
+std::string read_png_text(const std::string& path, const std::string& name);
 
 }  // namespace hoodoo

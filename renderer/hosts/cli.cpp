@@ -21,6 +21,8 @@ namespace
 struct Arguments {
     RenderArguments render;
     ImportArguments import;
+    MovieArguments movie;
+    std::int64_t frame = 0;
     std::vector<int> subset;
     std::vector<double> cell, degrees;
     std::vector<std::string> params, sets;
@@ -50,6 +52,9 @@ const CLI::Validator exr_name(
     [](std::string& name) { return name.ends_with(".exr") ? std::string() : "a height image ends in .exr, not \"" + name + "\""; }, "FILE.exr",
     "exr");
 
+const CLI::Validator mp4_name([](std::string& name) { return name.ends_with(".mp4") ? std::string() : "a film ends in .mp4, not \"" + name + "\""; },
+                              "FILE.mp4", "mp4");
+
 void add_scene_options(CLI::App& command, Arguments& a)
 {
     SceneArguments& scene = a.render.scene;
@@ -60,6 +65,7 @@ void add_scene_options(CLI::App& command, Arguments& a)
         ->take_all()
         ->allow_extra_args(false);
     command.add_option("--colorconfig", scene.colorconfig, "OpenColorIO configuration (else the scene's, $OCIO, the one built in)");
+    command.add_option("--frame", a.frame, "Frame of the animation")->check(CLI::Range(-1000000000, 1000000000));
     command.add_option("-t,--threads", scene.threads, "Threads; 0 = all this process may use")->check(CLI::Range(0, 4096));
     command.add_option("--seed", a.seed, "Seed of the samples; the ground keeps the scene's")->check(CLI::NonNegativeNumber);
     command.add_flag("-q,--quiet", scene.quiet, "Say nothing but errors");
@@ -80,6 +86,11 @@ void add_render(CLI::App& app, Arguments& a)
         ->delimiter(',')
         ->expected(4)
         ->excludes(crop);
+    command->add_option("--frames", r.frames, "Frames to render: 1-240, 1-10,20-50x2; the output names them with ####")
+        ->excludes(command->get_option("--frame"));
+    command->add_flag("--skip-existing", r.skip_existing, "Leave pictures that are there, whole, and of this scene and these options");
+    command->add_flag("--lock-seed", r.options.lock_seed, "The same noise in every frame");
+    command->add_flag("!--reproducible", r.options.measurements, "Leave time and memory out of the header: equal pictures are equal files");
     command->add_flag("--quick", r.options.quick, "A quarter of the resolution and of the samples");
     command->add_flag("-n,--dry-run", r.dry_run, "Read and build the scene, estimate time and memory, write nothing");
 }
@@ -123,6 +134,22 @@ void add_import_dem(CLI::App& app, Arguments& a)
     command->add_flag("-q,--quiet", a.import.quiet, "Say nothing but errors");
 }
 
+void add_movie(CLI::App& app, Arguments& a)
+{
+    CLI::App* command = app.add_subcommand("movie", "Numbered EXR pictures to an H.264 film, through the display transform");
+    MovieArguments& m = a.movie;
+    command->add_option("input", m.input, "Pictures, such as wave.####.exr")->required()->check(exr_name);
+    command->add_option("-o,--output", m.output, "Film to write (.mp4)")->required()->check(mp4_name);
+    command->add_option("--frames", m.frames, "Frames to take; without it all there are");
+    command->add_option("--fps", m.fps, "Frames a second; without it what the pictures say")->check(CLI::Range(1.0, 1000.0));
+    command->add_option("--exposure", m.exposure, "Stops; without it what the pictures say")->check(CLI::Range(-64.0, 64.0));
+    command->add_option("--colorconfig", m.colorconfig, "OpenColorIO configuration (else $OCIO, the one built in)");
+    command->add_option("--display", m.display, "Display of the colour configuration");
+    command->add_option("--view", m.view, "View of the display");
+    command->add_option("--quality", m.quality, "0 lossless, 51 worst")->check(CLI::Range(0, 51));
+    command->add_flag("-q,--quiet", m.quiet, "Say nothing but errors");
+}
+
 void finish_import(Arguments& a)
 {
     DemOptions& o = a.import.options;
@@ -135,6 +162,7 @@ void add_commands(CLI::App& app, Arguments& a)
 {
     add_import_dem(app, a);
     add_render(app, a);
+    add_movie(app, a);
     add_scene_options(*app.add_subcommand("check", "Read and build a scene, report all its errors"), a);
     add_scene_options(*app.add_subcommand("info", "Print what a scene is made of, as JSON"), a);
     app.add_subcommand("schema", "Print the JSON Schema of scenes for editors")
@@ -165,6 +193,7 @@ void finish_arguments(const CLI::App& command, Arguments& a)
     RenderOptions& o = a.render.options;
     o.threads = scene.threads;
     if (given("--seed")) o.seed = static_cast<std::uint64_t>(a.seed);  // of the samples alone: no hill moves
+    if (given("--frame")) scene.overrides.frame = a.frame;
     if (given("--spp")) o.spp = a.spp;
     if (given("--replicates")) o.replicates = a.replicates;
     check_bounds(a);
@@ -200,6 +229,7 @@ int run(int argc, char** argv)
     if (name == "render") return run_render(arguments.render);
     if (name == "check") return run_check(arguments.render.scene);
     if (name == "info") return run_info(arguments.render.scene);
+    if (name == "movie") return run_movie(arguments.movie);
     if (name == "import-dem") {
         finish_import(arguments);
         return run_import_dem(arguments.import);

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,18 @@ struct RenderArguments {
     SceneArguments scene;
     std::vector<std::string> outputs;
     RenderOptions options;
+    std::string frames;          ///< a range; empty: the one of scene.overrides.frame
+    bool skip_existing = false;  ///< pictures that are there and whole stay
     bool dry_run = false;
+};
+
+struct MovieArguments {
+    std::string input, output;  ///< EXR files with a place for the frame in their name; an MP4
+    std::string frames;         ///< empty: all there are
+    std::string colorconfig, display, view;
+    std::optional<double> fps, exposure;  ///< without: what the first picture says
+    int quality = 16;                     ///< constant rate factor of H.264: 0 lossless, 51 worst
+    bool quiet = false;
 };
 
 struct ImportArguments {
@@ -45,6 +57,7 @@ int run_info(const SceneArguments& arguments);
 int run_schema(const std::string& section);
 int run_version();
 int run_import_dem(const ImportArguments& arguments);
+int run_movie(const MovieArguments& arguments);
 
 /// A bar with the time left on a terminal; elsewhere a plain line for each tenth. On stderr: stdout is for data.
 class Progress
@@ -70,6 +83,15 @@ private:
     int shown_ = -1;  ///< tenths, or hundredths on a terminal
     std::chrono::steady_clock::time_point start_, last_;
 };
+
+/// Data, to stdout. Throws Error (file).
+void print(const std::string& text);
+LoadedScene load(const SceneArguments& arguments, Progress& progress);
+/// Throws Error (file) if nothing can be written there: an hour of work must not end at a folder that does not exist.
+void check_output(const std::string& path);
+
+/// "1:05:20", "0:07".
+std::string clock_text(double seconds);
 
 /// SIGINT and SIGTERM. Before guard_render() a signal ends the program at once: nothing is being written then. After it, it sets the flag.
 void catch_signals();

@@ -18,10 +18,6 @@
 namespace hoodoo::cli
 {
 namespace fs = std::filesystem;
-namespace
-{
-
-using Json = nlohmann::ordered_json;
 
 void print(const std::string& text)
 {
@@ -47,21 +43,10 @@ void check_output(const std::string& path)
         throw Error(ErrorKind::file, fmt::format("cannot write \"{}\": the folder \"{}\" is not writable", path, named));
 }
 
-/// Size and samples of the picture: the command line's, else the scene's.
-struct PictureSize {
-    std::int64_t width, height, spp;
-};
-
-PictureSize picture_size(const Description& scene, const RenderOptions& options)
+namespace
 {
-    PictureSize size{options.width.value_or(static_cast<int>(scene.film.integer("width"))),
-                     options.height.value_or(static_cast<int>(scene.film.integer("height"))),
-                     options.spp.value_or(static_cast<int>(scene.render.integer("spp")))};
-    if (const std::string what = too_large(size.width, size.height, size.spp); !what.empty()) throw Error(ErrorKind::scene, what);
-    if (options.quick)
-        size = {std::max<std::int64_t>(1, size.width / 4), std::max<std::int64_t>(1, size.height / 4), std::max<std::int64_t>(1, size.spp / 4)};
-    return size;
-}
+
+using Json = nlohmann::ordered_json;
 
 Json info_json(const LoadedScene& loaded)
 {
@@ -87,31 +72,6 @@ Json info_json(const LoadedScene& loaded)
             {"bounds", bounds},
             {"build_seconds", loaded.build_seconds},
             {"scene_hash", fmt::format("{:016x}", loaded.description.hash)}};
-}
-
-/// A small picture first: its time a sample, times the samples of the whole.
-int estimate(const LoadedScene& loaded, const RenderArguments& arguments)
-{
-    const PictureSize size = picture_size(loaded.description, arguments.options);
-    RenderOptions probe = arguments.options;
-    probe.quick = false;
-    probe.progress = {};
-    probe.crop_window.reset();
-    probe.pixel_bounds.reset();
-    probe.replicates = 1;
-    probe.width = static_cast<int>(std::clamp<std::int64_t>(size.width / 8, 1, 128));
-    probe.height = static_cast<int>(std::clamp<std::int64_t>(size.height / 8, 1, 128));
-    probe.spp = 2;
-    const auto start = std::chrono::steady_clock::now();
-    render(loaded, probe);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const double samples = static_cast<double>(size.width) * static_cast<double>(size.height) * static_cast<double>(size.spp);
-    std::uint64_t bytes = 0;
-    for (const SceneObject& object : loaded.scene->objects()) bytes += object.info.stack_bytes + object.info.trace_bytes;
-    print(fmt::format("{} x {} pixels, {} samples each: about {:.0f} s, film about {:.0f} MB, terrain {:.0f} MB\n", size.width, size.height, size.spp,
-                      seconds * samples / (2.0 * *probe.width * *probe.height), static_cast<double>(size.width * size.height) * 200e-6,
-                      static_cast<double>(bytes) * 1e-6));
-    return 0;
 }
 
 std::string default_text(const Parameter& p)
@@ -153,32 +113,6 @@ std::string schema_text(const std::string& head, const Schema& schema, int inden
 }
 
 }  // namespace
-
-int run_render(const RenderArguments& arguments)
-{
-    for (const std::string& output : arguments.outputs) check_output(output);
-    Progress progress(arguments.scene.quiet);
-    const LoadedScene loaded = load(arguments.scene, progress);
-    picture_size(loaded.description, arguments.options);
-    RenderOptions options = arguments.options;
-    options.cancel = guard_render();
-    if (arguments.dry_run) {
-        progress.finish();
-        return estimate(loaded, arguments);
-    }
-    options.progress = [&](double fraction, const std::string& what) { progress.update(fraction, what); };
-    const Image image = render(loaded, options);
-    progress.finish();
-    if (const int code = signal_exit_code()) {
-        if (!arguments.scene.quiet) fmt::print(stderr, "stopped; nothing was written\n");
-        return code;
-    }
-    for (const std::string& output : arguments.outputs) {
-        write_picture(image, output, loaded);
-        if (!arguments.scene.quiet) fmt::print(stderr, "wrote {}\n", output);
-    }
-    return 0;
-}
 
 int run_check(const SceneArguments& arguments)
 {

@@ -10,16 +10,12 @@
 
 namespace hoodoo::cli
 {
-namespace
-{
 
 std::string clock_text(double seconds)
 {
     const auto s = static_cast<long>(std::clamp(seconds + 0.5, 0.0, 1e8));
     return s >= 3600 ? fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60) : fmt::format("{}:{:02}", s / 60, s % 60);
 }
-
-}  // namespace
 
 Progress::Progress(bool quiet) : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
 

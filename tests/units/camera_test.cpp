@@ -83,6 +83,47 @@ TEST(Camera, matrices_say_the_same_as_rays)
     }
 }
 
+/// Keys at 0, 1, 3 seconds along x.
+std::vector<CameraPath::Key> keys_along_x()
+{
+    const auto key = [](double time, double x) { return CameraPath::Key{time, Pose{Vec3d(x, 0, 0), Vec3d(x, 1, 0), Vec3d(0, 0, 1), 0.8}}; };
+    return {key(0, 0), key(1, 2), key(3, 3)};
+}
+
+TEST(CameraPath, goes_through_its_keys_and_holds_its_ends)
+{
+    for (const Easing easing : {Easing::spline, Easing::ease, Easing::linear}) {
+        const CameraPath path(keys_along_x(), easing);
+        for (const CameraPath::Key& key : keys_along_x()) EXPECT_NEAR(path.at(key.time).eye.x, key.pose.eye.x, 1e-15);
+        EXPECT_EQ(path.at(-5).eye.x, 0.0);
+        EXPECT_EQ(path.at(5).eye.x, 3.0);
+    }
+}
+
+TEST(CameraPath, eases_as_it_is_told)
+{
+    const auto speed = [](Easing easing, double t) {
+        const CameraPath path(keys_along_x(), easing);
+        return (path.at(t + 1e-6).eye.x - path.at(t - 1e-6).eye.x) / 2e-6;
+    };
+    EXPECT_NEAR(speed(Easing::linear, 0.25), 2.0, 1e-6);
+    EXPECT_NEAR(speed(Easing::ease, 1.0), 0.0, 1e-4);
+    EXPECT_NEAR(speed(Easing::ease, 0.5), 3.0, 1e-4);                                         // 6 u (1 - u) times 2
+    EXPECT_NEAR(speed(Easing::spline, 1.0), 1.0, 1e-4);                                       // (3 - 0) / (3 - 0): the neighbours' quotient
+    EXPECT_NEAR(speed(Easing::spline, 1.0 - 1e-3), speed(Easing::spline, 1.0 + 1e-3), 2e-2);  // C1
+}
+
+TEST(CameraPath, knows_when_it_stands)
+{
+    auto keys = keys_along_x();
+    keys[1].pose = keys[0].pose;
+    EXPECT_FALSE(CameraPath(keys, Easing::linear).moves(0.0, 1.0));
+    EXPECT_TRUE(CameraPath(keys, Easing::linear).moves(0.5, 1.5));
+    EXPECT_TRUE(CameraPath(keys, Easing::spline).moves(0.0, 1.0));  // it starts towards the third key
+    EXPECT_FALSE(CameraPath(keys, Easing::linear).moves(2.0, 2.0));
+    EXPECT_FALSE(CameraPath(keys, Easing::spline).moves(3.0, 9.0));
+}
+
 TEST(Camera, contradictions_are_named)
 {
     const auto eye = std::pair{std::string("eye"), vector(0, 0, 5)};
@@ -90,7 +131,8 @@ TEST(Camera, contradictions_are_named)
     EXPECT_EQ(problem_of({eye, {"target", vector(0, 0, 5)}}), "target and eye are the same point");
     EXPECT_EQ(problem_of({eye, {"target", vector(0, 0, 9)}}), "up is zero or lies along the view");
     EXPECT_EQ(problem_of({eye, {"target", vector(0, 9, 5)}, {"hfov_deg", number(40)}, {"vfov_deg", number(40)}}), "hfov and vfov exclude each other");
-    EXPECT_EQ(problem_of({eye, {"target", vector(0, 9, 5)}, {"shutter_open", number(0.5)}, {"shutter_close", number(0.25)}}), "the shutter closes before it opens");
+    EXPECT_EQ(problem_of({eye, {"target", vector(0, 9, 5)}, {"shutter_open", number(0.5)}, {"shutter_close", number(0.25)}}),
+              "the shutter closes before it opens");
 }
 
 }  // namespace
