@@ -17,7 +17,7 @@
 
 #include "renderer/light/atmosphere.h"
 
-#include <tbb/parallel_for.h>
+#include "terrain/math/parallel.h"
 
 #include <algorithm>
 #include <bit>
@@ -150,7 +150,7 @@ void Atmosphere::make_columns()
 {
     columns_.resize(kColumnRadii * kColumnSines);
     const double horizon = std::sqrt(kTop * kTop - kGround * kGround);
-    tbb::parallel_for(0, kColumnRadii, [&](int a) {
+    parallel_items(kColumnRadii, [&](int a) {
         const double rho = horizon * a / (kColumnRadii - 1), r = std::sqrt(rho * rho + kGround * kGround);
         for (int b = 0; b < kColumnSines; ++b) {
             const double d = std::max(1.0, kTop - r + (rho + horizon - (kTop - r)) * b / (kColumnSines - 1));
@@ -275,7 +275,7 @@ Atmosphere::Field Atmosphere::next_field(const Field* previous) const
     Field field;
     field.mean.resize(kNodeHeights * kNodeSuns);
     field.ground.resize(kNodeSuns);
-    tbb::parallel_for(0, kNodeHeights * kNodeSuns, [&](int node) {
+    parallel_items(kNodeHeights * kNodeSuns, [&](int node) {
         const double x = static_cast<double>(node / kNodeSuns) / (kNodeHeights - 1);
         // The node lies above the place where the sun stands kSunStep, 2 kSunStep ... higher or lower: turn the place, not the sun.
         const double turn = (node % kNodeSuns - (kNodeSuns - 1) / 2) * kSunStep;

@@ -7,7 +7,7 @@
 
 #include "renderer/light/sky.h"
 
-#include <tbb/parallel_for.h>
+#include "terrain/math/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +48,7 @@ void SkyTable::tabulate(const AtmosphereParameters& parameters, const ToRenderin
     upper_.resize(kUpper * kColumns);
     lower_.resize(kLower * kColumns);
     const auto fill = [&](std::vector<Vec3f>& table, int rows, double side) {
-        tbb::parallel_for(0, rows, [&](int i) {
+        parallel_items(rows, [&](int i) {
             const double sine = side * row_sine((i + 0.5) / rows), cosine = std::sqrt(1.0 - sine * sine);
             for (int j = 0; j < kColumns; ++j) {
                 const double azimuth = kPi * (j + 0.5) / kColumns;

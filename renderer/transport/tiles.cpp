@@ -7,10 +7,10 @@
 #include "renderer/transport/tiles.h"
 
 #include "terrain/error.h"
+#include "terrain/math/parallel.h"
 
 #include <tbb/global_control.h>
 #include <tbb/info.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <immintrin.h>
@@ -111,12 +111,9 @@ bool trace_tiles(const Scene& scene, const PathSettings& path, const TileSetting
         permission.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(settings.threads));
     tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
     arena.execute([&] {
-        tbb::parallel_for(
-            tbb::blocked_range<int>(0, tracing.count(), 1),
-            [&](const tbb::blocked_range<int>& range) {
-                for (int tile = range.begin(); tile < range.end() && !tracing.cancelled(); ++tile) tracing.trace_tile(tile);
-            },
-            tbb::simple_partitioner());
+        parallel_items(tracing.count(), [&](int tile) {
+            if (!tracing.cancelled()) tracing.trace_tile(tile);
+        });
     });
     return !tracing.cancelled();
 }

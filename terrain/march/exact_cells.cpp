@@ -12,8 +12,7 @@
 #include "terrain/march/cell_kernel.h"
 #include "terrain/march/cluster.h"
 #include "terrain/march/slab_root.h"
-
-#include <tbb/parallel_for.h>
+#include "terrain/math/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,7 +43,7 @@ public:
         tiles_.resize(static_cast<std::size_t>(tiles_x_) * static_cast<std::size_t>(tiles_y));
         const double height = std::max(1.0, std::min(255.0, std::floor(4.0 * lattice_.cell / lattice_.unit)));
         std::vector<ClusterList> lists(tiles_.size());
-        tbb::parallel_for(std::size_t{0}, tiles_.size(), [&](std::size_t i) { lists[i] = build_tile(static_cast<int>(i), {16, height}); });
+        parallel_items(tiles_.size(), [&](std::size_t i) { lists[i] = build_tile(static_cast<int>(i), {16, height}); });
         memory_ = ClusterMemory(lists, tiles_);
         inverse_cell_ = 1.0 / lattice_.cell, inverse_unit_ = 1.0 / lattice_.unit;
         // Of F: above what single precision loses inside a cluster.

@@ -15,8 +15,7 @@
 
 #include "terrain/march/bricks.h"
 #include "terrain/march/column_tile.h"
-
-#include <tbb/parallel_for.h>
+#include "terrain/math/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -89,7 +88,7 @@ public:
         tiles_x_ = (n.x + tile_cells - 1) / tile_cells;
         tiles_y_ = (n.y + tile_cells - 1) / tile_cells;
         tiles_.resize(static_cast<std::size_t>(tiles_x_) * static_cast<std::size_t>(tiles_y_));
-        tbb::parallel_for(std::size_t{0}, tiles_.size(), [&](std::size_t i) { build_tile(static_cast<int>(i)); });
+        parallel_items(tiles_.size(), [&](std::size_t i) { build_tile(static_cast<int>(i)); });
     }
 
     std::uint32_t tile_count() const override { return static_cast<std::uint32_t>(tiles_.size()); }
