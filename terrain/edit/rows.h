@@ -7,5 +7,6 @@ namespace hoodoo
 {
 
 EditTool carve_tool();
+EditTool sculpt_tool();
 
 }  // namespace hoodoo

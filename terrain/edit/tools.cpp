@@ -17,6 +17,7 @@ std::span<const EditTool> edit_tools()
 {
     static const std::vector<EditTool> rows = {
         carve_tool(),
+        sculpt_tool(),
     };
     return rows;
 }

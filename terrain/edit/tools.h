@@ -14,6 +14,7 @@ namespace hoodoo
 {
 
 struct EditContext {
+    double sigma = 0.0;      ///< half-width of the terrain's kernel, metres, for tools that work on its surface; 0 = one cell
     std::uint64_t seed = 0;  ///< hashed from the edit's name
     /// A file named in a scene -> the path to open, as BuildContext::resolve.
     std::function<std::string(const std::string& path, const Source& where)> resolve = [](const std::string& p, const Source&) { return p; };

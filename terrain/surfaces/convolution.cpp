@@ -215,9 +215,7 @@ Shape make_convolution(const Values& values, const BuildContext& context)
     const auto start = std::chrono::steady_clock::now();
     if (context.progress) context.progress(0.0, "layers");
     const std::shared_ptr<const MaterialStack> stack = make_stack(values, context);
-    const double sigma = values.has("sigma") ? values.number("sigma") : stack->cell() * values.number("sigma_cells");
-    if (!(sigma <= 64.0 * stack->cell()))
-        throw values.problem(values.has("sigma") ? "sigma" : "sigma_cells", "the kernel is too wide", "at most 64 cells");
+    const double sigma = stack_kernel(values, stack->cell());
     MaterialSet set = 0;
     for (const std::string& name : values.names("materials")) set = static_cast<MaterialSet>(set | material_set({material_from_name(name)}));
     const std::string& rocks = values.text("rocks");
@@ -246,20 +244,6 @@ CatalogueEntry convolution_row()
 {
     Schema schema{"convolution", "Layers of material under a smoothing kernel: cliffs, overhangs, arches and caves.", stack_parameters()};
     const std::vector<Parameter> own = {
-        {.name = "sigma",
-         .type = ParameterType::length,
-         .doc = "Half-width of the kernel's cube; overrides sigma_cells.",
-         .unit = "m",
-         .minimum = 0,
-         .above_minimum = true},
-        {.name = "sigma_cells",
-         .type = ParameterType::number,
-         .doc = "Half-width of the kernel's cube in cells.",
-         .fallback = 1.0,
-         .unit = "cell",
-         .minimum = 0,
-         .maximum = 64,
-         .above_minimum = true},
         {.name = "materials",
          .type = ParameterType::names,
          .doc = "What is ground: one smooth body.",

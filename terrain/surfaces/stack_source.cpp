@@ -242,6 +242,20 @@ std::vector<Parameter> stack_parameters()
          .doc = "Lowest height that can be told; below it there is bedrock.",
          .fallback = 0.0,
          .unit = "m"},
+        {.name = "sigma",
+         .type = ParameterType::length,
+         .doc = "Half-width of the kernel's cube; overrides sigma_cells.",
+         .unit = "m",
+         .minimum = 0,
+         .above_minimum = true},
+        {.name = "sigma_cells",
+         .type = ParameterType::number,
+         .doc = "Half-width of the kernel's cube in cells.",
+         .fallback = 1.0,
+         .unit = "cell",
+         .minimum = 0,
+         .maximum = 64,
+         .above_minimum = true},
         {.name = "layer",
          .type = ParameterType::tables,
          .doc = "Layers from the bottom up.",
@@ -258,6 +272,13 @@ std::vector<Parameter> stack_parameters()
          .discriminator = "tool",
          .items = edit_schemas()},
     };
+}
+
+double stack_kernel(const Values& values, double cell)
+{
+    const double sigma = values.has("sigma") ? values.number("sigma") : cell * values.number("sigma_cells");
+    if (!(sigma <= 64.0 * cell)) throw values.problem(values.has("sigma") ? "sigma" : "sigma_cells", "the kernel is too wide", "at most 64 cells");
+    return sigma;
 }
 
 /// The finest step that reaches the highest ground. A whole fraction of the cell where it can be: then the kernel is a whole number of steps high,
@@ -298,7 +319,8 @@ std::shared_ptr<MaterialStack> make_stack(const Values& values, const BuildConte
         stack->set_columns({0, j0}, {plan.size.x, j1}, columns);
     }
     const std::vector<Values>& edits = values.tables("edit");
-    for (std::size_t k = 0; k < edits.size(); ++k) apply_edit(*stack, edits[k], context.seed, k, {.resolve = context.resolve});
+    const EditContext edit_context{.sigma = stack_kernel(values, stack->cell()), .resolve = context.resolve};
+    for (std::size_t k = 0; k < edits.size(); ++k) apply_edit(*stack, edits[k], context.seed, k, edit_context);
     return stack;
 }
 

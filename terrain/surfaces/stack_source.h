@@ -9,8 +9,11 @@
 namespace hoodoo
 {
 
-/// What any row that stands on a stack accepts: grid, [[layer]] tables, [[edit]] tables.
+/// What any row that stands on a stack accepts: grid, kernel, [[layer]] tables, [[edit]] tables.
 std::vector<Parameter> stack_parameters();
+
+/// Half-width of the kernel, metres, from `sigma` or `sigma_cells`. Throws Error (scene) if it is too wide.
+double stack_kernel(const Values& values, double cell);
 
 /// Throws Error (scene, file) at the value that cannot be.
 std::shared_ptr<MaterialStack> make_stack(const Values& values, const BuildContext& context);
