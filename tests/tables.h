@@ -13,6 +13,13 @@ inline Node number(double x)
     return node;
 }
 
+inline Node flag(bool x)
+{
+    Node node;
+    node.value = x;
+    return node;
+}
+
 [[gnu::noinline]] inline Node text(const std::string& s)  // inlined, it makes GCC 12 warn of a variant it cannot follow
 {
     Node node;

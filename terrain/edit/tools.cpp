@@ -1,5 +1,5 @@
 // Every edit tool, one row each: open this file first. A tool is made in terrain/edit/NAME.cpp, which says what it does and from which paper.
-// As in Peytavie2009, section 3.4, an edit ends by itself with merge and sort.
+// As in Peytavie2009, section 3.4, an edit ends by itself with merge, sort and stabilisation of what it touched.
 #include "terrain/edit/tools.h"
 
 #include "terrain/edit/rows.h"
@@ -18,6 +18,8 @@ std::span<const EditTool> edit_tools()
     static const std::vector<EditTool> rows = {
         carve_tool(),
         sculpt_tool(),
+        deposit_tool(),
+        stabilise_tool(),
     };
     return rows;
 }
@@ -29,6 +31,10 @@ std::vector<Schema> edit_schemas()
         Schema& schema = schemas.emplace_back(tool.schema);
         schema.parameters.push_back(
             {.name = "name", .type = ParameterType::text, .doc = "Seeds the edit's noise; by default its number.", .fallback = std::string()});
+        schema.parameters.push_back({.name = "stabilise",
+                                     .type = ParameterType::boolean,
+                                     .doc = "Whether loose material that the edit touched comes to rest at once.",
+                                     .fallback = true});
     }
     return schemas;
 }
@@ -40,7 +46,9 @@ ColumnSet apply_edit(MaterialStack& stack, const Values& edit, std::uint64_t see
     if (tool == tools.end()) throw Error(ErrorKind::internal, "no edit tool is called " + edit.variant());
     const std::string& name = edit.text("name");
     context.seed = hash_name(seed, name.empty() ? fmt::format("edit {}", number) : name);
-    return tool->apply(stack, edit, context);
+    ColumnSet changed = tool->apply(stack, edit, context);
+    if (edit.boolean("stabilise") && !tool->settles) changed.add(stabilise(stack, changed, context.repose));
+    return changed;
 }
 
 }  // namespace hoodoo

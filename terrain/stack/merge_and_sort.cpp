@@ -8,7 +8,6 @@ namespace hoodoo
 
 std::vector<Layer> merge_and_sort(std::span<const Layer> layers)
 {
-    constexpr std::array order = {Material::sand, Material::soil, Material::rock, Material::water, Material::air};
     std::vector<Layer> settled;
     std::array<std::int32_t, kMaterialCount> loose{};
     std::int32_t top = 0;
@@ -21,7 +20,8 @@ std::vector<Layer> merge_and_sort(std::span<const Layer> layers)
             settled.push_back({material, top});
     };
     const auto settle = [&] {
-        for (const Material m : order) put(m, loose[static_cast<std::size_t>(m)]);
+        for (const Material m : kLooseOrder) put(m, loose[static_cast<std::size_t>(m)]);
+        put(Material::air, loose[static_cast<std::size_t>(Material::air)]);
         loose.fill(0);
     };
     std::int32_t below = 0;

@@ -264,6 +264,27 @@ std::vector<Parameter> stack_parameters()
          .max_count = 64,
          .discriminator = "shape",
          .items = layer_schemas()},
+        {.name = "repose_sand",
+         .type = ParameterType::angle,
+         .doc = "Steepest slope that sand bears: where edits let it slide.",
+         .fallback = Repose().sand,
+         .unit = "rad",
+         .minimum = 0,
+         .maximum = 1.55},
+        {.name = "repose_soil",
+         .type = ParameterType::angle,
+         .doc = "Steepest slope that soil bears.",
+         .fallback = Repose().soil,
+         .unit = "rad",
+         .minimum = 0,
+         .maximum = 1.55},
+        {.name = "repose_rock",
+         .type = ParameterType::angle,
+         .doc = "Steepest slope that loose rock bears.",
+         .fallback = Repose().rock,
+         .unit = "rad",
+         .minimum = 0,
+         .maximum = 1.55},
         {.name = "edit",
          .type = ParameterType::tables,
          .doc = "Edits in their order.",
@@ -319,7 +340,11 @@ std::shared_ptr<MaterialStack> make_stack(const Values& values, const BuildConte
         stack->set_columns({0, j0}, {plan.size.x, j1}, columns);
     }
     const std::vector<Values>& edits = values.tables("edit");
-    const EditContext edit_context{.sigma = stack_kernel(values, stack->cell()), .resolve = context.resolve};
+    const EditContext edit_context{
+        .sigma = stack_kernel(values, stack->cell()),
+        .repose = {values.number("repose_sand"), values.number("repose_soil"), values.number("repose_rock")},
+        .resolve = context.resolve,
+    };
     for (std::size_t k = 0; k < edits.size(); ++k) apply_edit(*stack, edits[k], context.seed, k, edit_context);
     return stack;
 }
