@@ -102,7 +102,11 @@ public:
     }
 
 private:
-    double radius(std::size_t k) const { return region_.radii.size() == 1 ? region_.radii[0] : region_.radii[k]; }
+    double radius(std::size_t k) const
+    {
+        if (region_.shape == Region::Shape::box) return 1.0;
+        return region_.radii.size() == 1 ? region_.radii[0] : region_.radii[k];
+    }
     double width(double radius) const { return region_.shape == Region::Shape::box ? std::min(region_.half_size.x, region_.half_size.y) : radius; }
     Vec2d reach(double radius) const
     {
@@ -273,9 +277,8 @@ Region region_of(const Values& edit, std::uint64_t seed)
     region.points = edit.points("points");
     if (box) region.half_size = edit.vec3("half_size");
     if (!box) region.radii = edit.vector("radius");
-    if (box) region.radii = {1.0};
     if (edit.has("axis")) region.axis = edit.vec3("axis");
-    if (region.radii.size() != 1 && region.radii.size() != region.points.size()) {
+    if (!box && region.radii.size() != 1 && region.radii.size() != region.points.size()) {
         throw edit.problem("radius", "radii of a region", fmt::format("one, or one for each of the {} points", region.points.size()),
                            fmt::to_string(region.radii.size()));
     }

@@ -12,13 +12,13 @@ namespace hoodoo
 struct Region {
     enum class Shape : std::uint8_t { ball, box, capsule };
     Shape shape = Shape::ball;
-    std::vector<Vec3d> points;  ///< at least one
-    std::vector<double> radii;  ///< ball, capsule: one, or one for each point
-    Vec3d half_size{1.0};       ///< box: before it is turned about the vertical
-    double heading = 0.0;       ///< box: radians, counter-clockwise from x
-    Vec3d axis{0.0};            ///< capsule: from one end of its core to the other
-    double roughness = 0.0;     ///< share of its size by which noise moves its wall, in [0, 1)
-    double wavelength = 1.0;    ///< of that noise, metres
+    std::vector<Vec3d> points;       ///< at least one
+    std::vector<double> radii = {};  ///< ball, capsule: one, or one for each point
+    Vec3d half_size{1.0};            ///< box: before it is turned about the vertical
+    double heading = 0.0;            ///< box: radians, counter-clockwise from x
+    Vec3d axis{0.0};                 ///< capsule: from one end of its core to the other
+    double roughness = 0.0;          ///< share of its size by which noise moves its wall, in [0, 1)
+    double wavelength = 1.0;         ///< of that noise, metres
     std::uint32_t seed = 0;
 };
 
