@@ -24,11 +24,15 @@ struct BuildContext {
     std::function<void(double fraction, const std::string& what)> progress;  ///< may be empty
 };
 
+class MaterialStack;
+
 struct CatalogueEntry {
     std::string name;   ///< the `type` of a [terrain.NAME] table
     std::string paper;  ///< key in references.bib
     Schema schema;
     std::function<Shape(const Values&, const BuildContext&)> make;
+    /// The layers the shape stands on, without building it; empty for a row that stands on none.
+    std::function<std::shared_ptr<MaterialStack>(const Values&, const BuildContext&)> stack = {};
 };
 
 /// All rows, in a fixed order. Built once, thread-safe.

@@ -26,7 +26,7 @@ MAY_INCLUDE = {
     "renderer/geometry": TERRAIN_BASE,
     "renderer/shading": TERRAIN_BASE,
     "renderer/light": TERRAIN_BASE,
-    "renderer/film": PARAMETERS,
+    "renderer/film": PARAMETERS | {"terrain/io/atomic_file.h"},
     "renderer/compare": PARAMETERS | {"renderer/film"},
     "renderer/scene": TERRAIN_PUBLIC | {"renderer/geometry", "renderer/light", "renderer/shading"},
     "renderer/transport": TERRAIN_BASE | {"renderer/scene", "renderer/geometry", "renderer/light", "renderer/shading", "renderer/film"},

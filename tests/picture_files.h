@@ -1,7 +1,7 @@
 // Pictures on the disk for tests: a picture with all that is hard to keep, a folder of its own for each test, and a child process to fail in.
 #pragma once
 
-#include "renderer/film/atomic_file.h"
+#include "terrain/io/atomic_file.h"
 #include "renderer/film/write.h"
 
 #include <fmt/format.h>

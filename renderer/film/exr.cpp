@@ -6,7 +6,7 @@
 // 1]. Attribute names and conventions: OpenEXR's list of standard attributes; capDate is what other programs call DateTime.
 //
 // Missing: parts, tiles, deep data, compression other than zip.
-#include "renderer/film/atomic_file.h"
+#include "terrain/io/atomic_file.h"
 #include "renderer/film/write.h"
 
 #include <OpenEXR/ImfChannelList.h>

@@ -3,7 +3,7 @@
 // OpenImageIO encodes into memory, where no full disk can make it lie; the bytes take the same verified way to the disk as every file of ours.
 // It works in the calling thread: its own thread pool would belong to the whole process, and to no child of it.
 // Its colour space must be said: left alone, the encoder marks the file as linear (gAMA 1.0) and viewers show it far too bright.
-#include "renderer/film/atomic_file.h"
+#include "terrain/io/atomic_file.h"
 #include "renderer/film/write.h"
 
 #include <OpenImageIO/filesystem.h>

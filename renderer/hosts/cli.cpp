@@ -23,6 +23,7 @@ struct Arguments {
     ImportArguments import;
     MovieArguments movie;
     std::int64_t frame = 0;
+    ExportArguments exported;
     std::vector<int> subset;
     std::vector<double> cell, degrees;
     std::vector<std::string> params, sets;
@@ -41,16 +42,17 @@ std::pair<std::string, std::string> key_and_value(const std::string& text, const
     return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-const CLI::Validator picture_name(
-    [](std::string& name) {
-        const bool known = name.size() > 4 && (name.ends_with(".exr") || name.ends_with(".png"));
-        return known ? std::string() : "a picture ends in .exr or .png, not \"" + name + "\"";
-    },
-    "FILE.exr|FILE.png", "picture");
-
-const CLI::Validator exr_name(
-    [](std::string& name) { return name.ends_with(".exr") ? std::string() : "a height image ends in .exr, not \"" + name + "\""; }, "FILE.exr",
-    "exr");
+/// A file name with one of two endings.
+CLI::Validator file_name(const std::string& what, const std::string& ending, const std::string& other = {})
+{
+    const std::string shown = other.empty() ? ending : ending + " or " + other;
+    return CLI::Validator(
+        [=](std::string& name) {
+            const bool known = name.ends_with(ending) || (!other.empty() && name.ends_with(other));
+            return known ? std::string() : what + " ends in " + shown + ", not \"" + name + "\"";
+        },
+        "FILE" + ending, what);
+}
 
 const CLI::Validator mp4_name([](std::string& name) { return name.ends_with(".mp4") ? std::string() : "a film ends in .mp4, not \"" + name + "\""; },
                               "FILE.mp4", "mp4");
@@ -76,7 +78,10 @@ void add_render(CLI::App& app, Arguments& a)
     CLI::App* command = app.add_subcommand("render", "Render a scene");
     add_scene_options(*command, a);
     RenderArguments& r = a.render;
-    command->add_option("-o,--output", r.outputs, "Picture to write; several may be given")->take_all()->allow_extra_args(false)->check(picture_name);
+    command->add_option("-o,--output", r.outputs, "Picture to write; several may be given")
+        ->take_all()
+        ->allow_extra_args(false)
+        ->check(file_name("a picture", ".exr", ".png"));
     command->add_option("--spp", a.spp, "Samples a pixel")->check(CLI::Range(1, 1 << 24));
     command->add_option("-r,--resolution", a.resolution, "Width and height in pixels")->expected(2)->check(CLI::Range(1, 65536));
     command->add_option("--replicates", a.replicates, "Independent repetitions among the samples (unbiased variance)")->check(CLI::Range(1, 4096));
@@ -111,7 +116,7 @@ void add_import_dem(CLI::App& app, Arguments& a)
         command->add_option(flag, value, help)->transform(in_metres)->check(CLI::PositiveNumber);
     };
     command->add_option("input", a.import.input, "NumPy archive (.npz) or any image")->required();
-    command->add_option("-o,--output", a.import.output, "Height image to write (.exr)")->required()->check(exr_name);
+    command->add_option("-o,--output", a.import.output, "Height image to write (.exr)")->required()->check(file_name("a height image", ".exr"));
     command->add_option("--array", o.array, "Array of an archive; without it the only one with two dimensions");
     command->add_flag("--flip", o.flip, "Row 0 of the source is the south");
     command->add_option("--subset", a.subset, "x0,x1,y0,y1 in source pixels, half-open, row 0 = north")
@@ -158,8 +163,17 @@ void finish_import(Arguments& a)
     if (!a.degrees.empty()) std::tie(o.degrees_x, o.degrees_y) = std::pair(a.degrees.front(), a.degrees.back());
 }
 
+void add_export(CLI::App& app, Arguments& a, const char* name, const char* help, const CLI::Validator& output)
+{
+    CLI::App* command = app.add_subcommand(name, help);
+    add_scene_options(*command, a);
+    command->add_option("--terrain", a.exported.terrain, "Which terrain of the scene, where it has several");
+    command->add_option("-o,--output", a.exported.output, "File to write")->required()->check(output);
+}
+
 void add_commands(CLI::App& app, Arguments& a)
 {
+    add_export(app, a, "bake", "Write the layers of a terrain, edits done, as a deep EXR that a scene reads back", file_name("a stack", ".exr"));
     add_import_dem(app, a);
     add_render(app, a);
     add_movie(app, a);
@@ -234,6 +248,8 @@ int run(int argc, char** argv)
         finish_import(arguments);
         return run_import_dem(arguments.import);
     }
+    arguments.exported.scene = arguments.render.scene;
+    if (name == "bake") return run_bake(arguments.exported);
     if (name == "schema") return run_schema(arguments.section);
     return run_version();
 }

@@ -50,6 +50,12 @@ struct ImportArguments {
     bool quiet = false;
 };
 
+/// Of one terrain of a scene to a file.
+struct ExportArguments {
+    SceneArguments scene;
+    std::string terrain, output;
+};
+
 /// Each returns the exit code and throws what it cannot do.
 int run_render(const RenderArguments& arguments);
 int run_check(const SceneArguments& arguments);
@@ -58,6 +64,7 @@ int run_schema(const std::string& section);
 int run_version();
 int run_import_dem(const ImportArguments& arguments);
 int run_movie(const MovieArguments& arguments);
+int run_bake(const ExportArguments& arguments);
 
 /// A bar with the time left on a terminal; elsewhere a plain line for each tenth. On stderr: stdout is for data.
 class Progress

@@ -5,7 +5,7 @@
 
 #include "renderer/scene/scene.h"
 
-#include "terrain/catalogue.h"
+#include "renderer/scene/terrain.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,35 +15,14 @@ namespace hoodoo
 namespace
 {
 
-std::vector<std::string> catalogue_names()
-{
-    std::vector<std::string> names;
-    for (const CatalogueEntry& entry : catalogue()) names.push_back(entry.name);
-    return names;
-}
-
-Shape make_shape(const DescribedNode& node, const Description& description, const Camera& camera, const SceneOptions& options)
-{
-    const CatalogueEntry* entry = find_in_catalogue(node.type);
-    if (!entry)
-        throw Error(ErrorKind::scene,
-                    Problem{node.where, "unknown terrain type", {}, "\"" + node.type + "\"", nearest_name(node.type, catalogue_names())});
-    BuildContext context;
-    context.name = node.name;
-    context.seed = node.seed;
-    context.threads = options.threads;
-    context.shutter = {description.time + camera.shutter_open(), description.time + camera.shutter_close()};
-    if (description.resolve) context.resolve = description.resolve;
-    if (options.progress) context.progress = [&](double fraction, const std::string& what) { options.progress(fraction, node.name + ": " + what); };
-    return entry->make(node.values, context);
-}
-
 SceneParts make_parts(const Description& description, const SceneOptions& options)
 {
     SceneParts parts{Camera(description.camera, {description.time, description.film.number("fps")}), {}, {}, {}, {}};
     for (const DescribedNode& node : description.terrains) {
         if (options.progress) options.progress(0.0, node.name);
-        parts.shapes.push_back(make_shape(node, description, parts.camera, options));
+        BuildContext context = terrain_context(node, description, options.threads, options.progress);
+        context.shutter = {description.time + parts.camera.shutter_open(), description.time + parts.camera.shutter_close()};
+        parts.shapes.push_back(terrain_row(node).make(node.values, context));
         parts.objects.push_back({node.name, node.type, {}, {}});
     }
     for (const DescribedNode& node : description.materials)

@@ -281,7 +281,7 @@ CatalogueEntry convolution_row()
          .maximum = 8},
     };
     schema.parameters.insert(schema.parameters.end(), own.begin(), own.end());
-    return {"convolution", "Peytavie2009", std::move(schema), make_convolution};
+    return {"convolution", "Peytavie2009", std::move(schema), make_convolution, make_stack};
 }
 
 }  // namespace hoodoo

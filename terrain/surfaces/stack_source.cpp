@@ -2,14 +2,16 @@
 // Every layer is a height over the plane, read as `measure` says: the top the layer reaches, a thickness that is added, or a height above which
 // everything is cut away. Heights come from a constant (flat), an image, a named shape (fields/height_shapes.h), or from the ground below (drift:
 // sand where it is flat or low). Heights are metres above z = 0 of the world; they are stored as units above the datum, so that high ground wastes no
-// steps. Drift: the thickness shrinks from full at slopes up to `flat` to none at `steep`, and hollows (below the mean over `reach`) fill up by
-// `fill`. Missing: wind, which would make the drift one-sided; layers that follow another layer's boundary in depth.
+// steps. Instead of a grid and layers a file may be named (io/stack_file.h), which says all of them; edits follow in either case. Drift: the
+// thickness shrinks from full at slopes up to `flat` to none at `steep`, and hollows (below the mean over `reach`) fill up by `fill`. Missing: wind,
+// which would make the drift one-sided; layers that follow another layer's boundary in depth.
 #include "terrain/surfaces/stack_source.h"
 
 #include "terrain/edit/tools.h"
 #include "terrain/error.h"
 #include "terrain/fields/height_shapes.h"
 #include "terrain/io/height_image.h"
+#include "terrain/io/stack_file.h"
 #include "terrain/math/hash.h"
 #include "terrain/surfaces/drift.h"
 
@@ -107,7 +109,7 @@ struct Plan {
 Plan make_plan(const Values& values, const BuildContext& context)
 {
     Plan plan;
-    plan.origin = values.vec3("origin");
+    if (values.has("origin")) plan.origin = values.vec3("origin");
     if (values.has("cell")) plan.cell = values.number("cell");
     if (values.has("columns")) {
         const std::vector<double>& n = values.vector("columns");
@@ -232,15 +234,13 @@ std::vector<Parameter> stack_parameters()
          .above_minimum = true},
         {.name = "origin",
          .type = ParameterType::vector,
-         .doc = "Where the south-west corner of the grid lies; its z is added to all heights.",
-         .fallback = std::vector<double>{0, 0, 0},
+         .doc = "Where the south-west corner of the grid lies (0, 0, 0 by default); its z is added to all heights.",
          .unit = "m",
          .min_count = 3,
          .max_count = 3},
         {.name = "datum",
          .type = ParameterType::length,
-         .doc = "Lowest height that can be told; below it there is bedrock.",
-         .fallback = 0.0,
+         .doc = "Lowest height that can be told (0 by default); below it there is bedrock.",
          .unit = "m"},
         {.name = "sigma",
          .type = ParameterType::length,
@@ -256,11 +256,13 @@ std::vector<Parameter> stack_parameters()
          .minimum = 0,
          .maximum = 64,
          .above_minimum = true},
+        {.name = "stack",
+         .type = ParameterType::path,
+         .doc = "A deep EXR that hoodoo bake wrote: it says the grid and the layers, so none of them may be given beside it."},
         {.name = "layer",
          .type = ParameterType::tables,
          .doc = "Layers from the bottom up.",
-         .required = true,
-         .min_count = 1,
+         .min_count = 0,
          .max_count = 64,
          .discriminator = "shape",
          .items = layer_schemas()},
@@ -310,10 +312,14 @@ double default_unit(double highest, double cell)
     return steps >= 1.0 ? cell / std::min(steps, 1024.0) : highest / MaterialStack::max_top;
 }
 
-std::shared_ptr<MaterialStack> make_stack(const Values& values, const BuildContext& context)
+namespace
 {
+
+std::shared_ptr<MaterialStack> stack_from_layers(const Values& values, const BuildContext& context)
+{
+    if (values.tables("layer").empty()) throw values.problem("layer", "a terrain without layers", "[[layer]] tables, or stack = \"FILE.exr\"");
     const Plan plan = make_plan(values, context);
-    const double datum = values.number("datum");
+    const double datum = values.has("datum") ? values.number("datum") : 0.0;
     const std::vector<Grid> tops = layer_tops(values, context, plan, datum);
     const double highest = *std::max_element(tops.back().begin(), tops.back().end()) - datum;
     const double unit = values.has("unit") ? values.number("unit") : default_unit(highest, plan.cell);
@@ -339,6 +345,23 @@ std::shared_ptr<MaterialStack> make_stack(const Values& values, const BuildConte
         }
         stack->set_columns({0, j0}, {plan.size.x, j1}, columns);
     }
+    return stack;
+}
+
+std::shared_ptr<MaterialStack> stack_from_file(const Values& values, const BuildContext& context)
+{
+    for (const char* key : {"columns", "cell", "unit", "origin", "datum", "layer"}) {
+        const bool given = std::string(key) == "layer" ? !values.tables(key).empty() : values.has(key);
+        if (given) throw values.problem(key, fmt::format("`{}` beside `stack`", key), "one of them: the file says the grid and the layers");
+    }
+    return read_stack_file(context.resolve(values.text("stack"), values.where("stack")), values.where("stack"));
+}
+
+}  // namespace
+
+std::shared_ptr<MaterialStack> make_stack(const Values& values, const BuildContext& context)
+{
+    const auto stack = values.has("stack") ? stack_from_file(values, context) : stack_from_layers(values, context);
     const std::vector<Values>& edits = values.tables("edit");
     const EditContext edit_context{
         .sigma = stack_kernel(values, stack->cell()),

@@ -9,7 +9,7 @@
 namespace hoodoo
 {
 
-/// What any row that stands on a stack accepts: grid, kernel, [[layer]] tables, [[edit]] tables.
+/// What any row that stands on a stack accepts: a grid and [[layer]] tables, or a file of them; the kernel; [[edit]] tables.
 std::vector<Parameter> stack_parameters();
 
 /// Half-width of the kernel, metres, from `sigma` or `sigma_cells`. Throws Error (scene) if it is too wide.

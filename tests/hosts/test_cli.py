@@ -357,3 +357,47 @@ def test_schema_explains_one_section():
     result = hoodoo("schema", "film")
     assert result.returncode == 0 and "width" in result.stdout and "Default 1024" in result.stdout
     assert hoodoo("schema", "flim").returncode == 2
+
+
+# -- Baking ---------------------------------------------------------------------------------------------------------------
+
+LAYERED = """version = 1
+[camera]
+eye = [8, -10, 12]
+target = [8, 8, 4]
+[light.sky]
+type = "constant"
+[terrain.hill]
+type = "convolution"
+sigma_cells = 1.0
+columns = [24, 16]
+cell = 1.0
+[[terrain.hill.layer]]
+shape = "flat"
+top = 6.0
+[[terrain.hill.edit]]
+tool = "carve"
+points = [[8, -2, 3], [8, 20, 3]]
+radius = [1.5]
+"""
+
+
+def test_bake_read_bake_gives_equal_bytes_and_an_equal_scene(tmp_path):
+    (tmp_path / "a.toml").write_text(LAYERED)
+    head, grid = LAYERED.split("columns", 1)
+    (tmp_path / "b.toml").write_text(head + 'stack = "a.exr"\n')
+    assert hoodoo("bake", tmp_path / "a.toml", "-o", tmp_path / "a.exr", "-q").returncode == 0
+    assert hoodoo("bake", tmp_path / "b.toml", "--terrain", "hill", "-o", tmp_path / "b.exr", "-q").returncode == 0
+    assert (tmp_path / "a.exr").read_bytes() == (tmp_path / "b.exr").read_bytes()
+    a, b = (json.loads(hoodoo("info", tmp_path / f"{name}.toml", "-q").stdout)["terrain"]["hill"] for name in "ab")
+    assert a["layers"] == b["layers"] > 24 * 16 and a["patches"] == b["patches"]
+    shown = subprocess.run(["oiiotool", "--info", "-v", tmp_path / "a.exr"], capture_output=True, text=True)
+    assert shown.returncode == 0 and "24 x   16, 4 channel, deep" in shown.stdout and 'hoodoo:materials: "air", "water"' in shown.stdout
+
+
+def test_bake_names_what_it_cannot_bake(tmp_path, scene):
+    result = hoodoo("bake", scene, "-o", tmp_path / "a.exr")
+    assert result.returncode == 2 and 'a terrain without layers cannot be baked, expected type = "convolution", got "plane"' in result.stderr
+    result = hoodoo("bake", scene, "--terrain", "flor", "-o", tmp_path / "a.exr")
+    assert result.returncode == 2 and 'there is no terrain "flor", expected one of floor (did you mean "floor"?)' in result.stderr, result.stderr
+    assert hoodoo("bake", scene, "-o", tmp_path / "a.png").returncode == 2

@@ -3,7 +3,7 @@
 // Existence of a file is no proof of its content: image libraries have reported success for files cut off by a full disk. So every byte passes
 // through our own write(), whose errors are kept even if the library that calls it swallows them in a destructor, and nothing gets its name before it
 // was decoded from the disk. A process that is killed in between leaves a file named .NAME.*.tmp, never a partial NAME.
-#include "renderer/film/atomic_file.h"
+#include "terrain/io/atomic_file.h"
 
 #include "terrain/error.h"
 
