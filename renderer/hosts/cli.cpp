@@ -42,7 +42,7 @@ std::pair<std::string, std::string> key_and_value(const std::string& text, const
     return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-/// A file name with one of two endings.
+/// A file name with an ending, or one of two.
 CLI::Validator file_name(const std::string& what, const std::string& ending, const std::string& other = {})
 {
     const std::string shown = other.empty() ? ending : ending + " or " + other;
@@ -53,9 +53,6 @@ CLI::Validator file_name(const std::string& what, const std::string& ending, con
         },
         "FILE" + ending, what);
 }
-
-const CLI::Validator mp4_name([](std::string& name) { return name.ends_with(".mp4") ? std::string() : "a film ends in .mp4, not \"" + name + "\""; },
-                              "FILE.mp4", "mp4");
 
 void add_scene_options(CLI::App& command, Arguments& a)
 {
@@ -143,8 +140,8 @@ void add_movie(CLI::App& app, Arguments& a)
 {
     CLI::App* command = app.add_subcommand("movie", "Numbered EXR pictures to an H.264 film, through the display transform");
     MovieArguments& m = a.movie;
-    command->add_option("input", m.input, "Pictures, such as wave.####.exr")->required()->check(exr_name);
-    command->add_option("-o,--output", m.output, "Film to write (.mp4)")->required()->check(mp4_name);
+    command->add_option("input", m.input, "Pictures, such as wave.####.exr")->required()->check(file_name("a picture", ".exr"));
+    command->add_option("-o,--output", m.output, "Film to write (.mp4)")->required()->check(file_name("a film", ".mp4"));
     command->add_option("--frames", m.frames, "Frames to take; without it all there are");
     command->add_option("--fps", m.fps, "Frames a second; without it what the pictures say")->check(CLI::Range(1.0, 1000.0));
     command->add_option("--exposure", m.exposure, "Stops; without it what the pictures say")->check(CLI::Range(-64.0, 64.0));

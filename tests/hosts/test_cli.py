@@ -367,6 +367,7 @@ eye = [8, -10, 12]
 target = [8, 8, 4]
 [light.sky]
 type = "constant"
+radiance = { grey = 1.0 }
 [terrain.hill]
 type = "convolution"
 sigma_cells = 1.0
@@ -399,5 +400,5 @@ def test_bake_names_what_it_cannot_bake(tmp_path, scene):
     result = hoodoo("bake", scene, "-o", tmp_path / "a.exr")
     assert result.returncode == 2 and 'a terrain without layers cannot be baked, expected type = "convolution", got "plane"' in result.stderr
     result = hoodoo("bake", scene, "--terrain", "flor", "-o", tmp_path / "a.exr")
-    assert result.returncode == 2 and 'there is no terrain "flor", expected one of floor (did you mean "floor"?)' in result.stderr, result.stderr
+    assert result.returncode == 2 and 'there is no terrain "flor", expected one of floor (did you mean "floor")' in result.stderr, result.stderr
     assert hoodoo("bake", scene, "-o", tmp_path / "a.png").returncode == 2
