@@ -55,9 +55,15 @@ Vec3d aim(const MaterialStack& stack, double sigma, const Values& edit, const st
         throw edit.problem(key, "the tool lies outside the terrain", fmt::format("x in [{}, {}] m and y in [{}, {}] m", low.x, high.x, low.y, high.y),
                            fmt::format("({}, {}) m", target.x, target.y));
     }
-    const ConvolutionField field(bedrock_of(stack), sigma);
-    const double slope = std::sqrt(3.0) / sigma;
-    const double height = MaterialStack::max_top * stack.unit() + std::abs(target.z - low.z), reach = height + (high - low).length();
+    return onto_surface(ConvolutionField(bedrock_of(stack), sigma), edit, key, target);
+}
+
+Vec3d onto_surface(const ConvolutionField& field, const Values& edit, const std::string& key, const Vec3d& target)
+{
+    const MaterialStack& stack = field.ground().stack();
+    const double slope = std::sqrt(3.0) / field.sigma();
+    const double height = MaterialStack::max_top * stack.unit() + std::abs(target.z - stack.origin().z);
+    const double reach = height + Vec2d(stack.size()).length() * stack.cell();
     std::optional<Vec3d> found;
     if (edit.has("along")) {
         const Vec3d along = edit.vec3("along");

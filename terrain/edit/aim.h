@@ -26,6 +26,9 @@ double kernel_of(const MaterialStack& stack, const Values& edit, const EditConte
 /// if the target lies in rock), else nearby. Throws Error (scene) if the target does not lie over or under the grid, or if nothing is met.
 Vec3d aim(const MaterialStack& stack, double sigma, const Values& edit, const std::string& key, const Vec3d& target);
 
+/// The same without asking where the target lies: beyond the grid its edge columns go on.
+Vec3d onto_surface(const ConvolutionField& field, const Values& edit, const std::string& key, const Vec3d& target);
+
 /// Calls `work`; what it throws without a place gets that of the edit's `key`.
 void placed(const Values& edit, const std::string& key, const std::function<void()>& work);
 

@@ -5,10 +5,12 @@
 #include "terrain/error.h"
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace hoodoo
 {
@@ -68,22 +70,24 @@ ColumnBox columns_within(const MaterialStack& stack, const Vec2d& low, const Vec
 namespace
 {
 
-void refuse_heights(const MaterialStack& stack, const ColumnBox& box, std::span<const std::vector<Layer>> columns)
+std::int32_t top_of(const std::vector<Layer>& column)
 {
-    std::size_t worst = 0;
-    const auto top = [](const std::vector<Layer>& column) { return column.empty() ? 0 : column.back().top; };
-    for (std::size_t c = 1; c < columns.size(); ++c) {
-        if (top(columns[c]) > top(columns[worst])) worst = c;
-    }
-    if (columns.empty() || top(columns[worst]) <= MaterialStack::max_top) return;
-    const int width = box.to.x - box.from.x;
-    const double highest = stack.origin().z + MaterialStack::max_top * stack.unit(), got = stack.origin().z + top(columns[worst]) * stack.unit();
-    throw Error(ErrorKind::scene, Problem{{},
-                                          fmt::format("column ({}, {}) would rise over the stack's height range",
-                                                      box.from.x + static_cast<int>(worst) % width, box.from.y + static_cast<int>(worst) / width),
-                                          fmt::format("at most z = {} m (a larger `unit` reaches higher)", highest),
-                                          fmt::format("{} m", got),
-                                          {}});
+    return column.empty() ? 0 : column.back().top;
+}
+
+/// Throws if the highest of the columns is too high; `place` tells which column of the grid the k-th is.
+template <class Place>
+void refuse_heights(const MaterialStack& stack, std::span<const std::vector<Layer>> columns, const Place& place)
+{
+    const auto worst = std::max_element(columns.begin(), columns.end(), [](const auto& a, const auto& b) { return top_of(a) < top_of(b); });
+    if (worst == columns.end() || top_of(*worst) <= MaterialStack::max_top) return;
+    const Vec2i at = place(static_cast<std::size_t>(worst - columns.begin()));
+    throw Error(ErrorKind::scene,
+                Problem{{},
+                        fmt::format("column ({}, {}) would rise over the stack's height range", at.x, at.y),
+                        fmt::format("at most z = {} m (a larger `unit` reaches higher)", stack.origin().z + MaterialStack::max_top * stack.unit()),
+                        fmt::format("{} m", stack.origin().z + top_of(*worst) * stack.unit()),
+                        {}});
 }
 
 }  // namespace
@@ -103,13 +107,59 @@ ColumnSet change_columns(MaterialStack& stack, const ColumnBox& box,
             differs[at] = columns[at] != before;
         }
     });
-    refuse_heights(stack, box, columns);
+    refuse_heights(stack, columns, [&](std::size_t c) { return box.from + Vec2i(static_cast<int>(c) % width, static_cast<int>(c) / width); });
     std::vector<std::uint32_t> changed;
     const ColumnSet all(stack.size());
     for (std::size_t c = 0; c < columns.size(); ++c) {
         if (differs[c]) changed.push_back(all.index(box.from.x + static_cast<int>(c) % width, box.from.y + static_cast<int>(c) / width));
     }
     if (!changed.empty()) stack.set_columns(box.from, box.to, columns);
+    return {stack.size(), std::move(changed)};
+}
+
+ColumnSet change_listed(MaterialStack& stack, std::span<const std::uint32_t> columns,
+                        const std::function<std::vector<Layer>(std::size_t place, std::vector<Layer>)>& change)
+{
+    const ColumnSet all(stack.size());
+    std::vector<std::vector<Layer>> fresh(columns.size());
+    std::vector<char> differs(columns.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns.size(), 64), [&](const auto& range) {
+        for (std::size_t k = range.begin(); k < range.end(); ++k) {
+            const Vec2i at = all.column(columns[k]);
+            const std::vector<Layer> before = stack.column(at.x, at.y);
+            fresh[k] = change(k, before);
+            differs[k] = fresh[k] != before;
+        }
+    });
+    refuse_heights(stack, fresh, [&](std::size_t k) { return all.column(columns[k]); });
+
+    // Tile by tile of the stack, each written once.
+    std::map<std::pair<int, int>, std::vector<std::size_t>> tiles;
+    std::vector<std::uint32_t> changed;
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+        if (!differs[k]) continue;
+        changed.push_back(columns[k]);
+        const Vec2i at = all.column(columns[k]);
+        tiles[{at.y / MaterialStack::tile_size, at.x / MaterialStack::tile_size}].push_back(k);
+    }
+    for (const auto& [tile, places] : tiles) {
+        ColumnBox box{stack.size(), {0, 0}};
+        for (const std::size_t k : places) {
+            const Vec2i at = all.column(columns[k]);
+            box.from = Vec2i(std::min(box.from.x, at.x), std::min(box.from.y, at.y));
+            box.to = Vec2i(std::max(box.to.x, at.x + 1), std::max(box.to.y, at.y + 1));
+        }
+        const int width = box.to.x - box.from.x;
+        std::vector<std::vector<Layer>> block;
+        for (int j = box.from.y; j < box.to.y; ++j) {
+            for (int i = box.from.x; i < box.to.x; ++i) block.push_back(stack.column(i, j));
+        }
+        for (const std::size_t k : places) {
+            const Vec2i at = all.column(columns[k]) - box.from;
+            block[static_cast<std::size_t>(at.y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(at.x)] = std::move(fresh[k]);
+        }
+        stack.set_columns(box.from, box.to, block);
+    }
     return {stack.size(), std::move(changed)};
 }
 

@@ -35,6 +35,11 @@ ColumnBox columns_within(const MaterialStack& stack, const Vec2d& low, const Vec
 ColumnSet change_columns(MaterialStack& stack, const ColumnBox& box,
                          const std::function<std::vector<Layer>(int i, int j, std::vector<Layer>)>& change);
 
+/// The same for single columns, given as sorted indices j * size.x + i: only their tiles of the stack are written. `change` gets the place in the
+/// list.
+ColumnSet change_listed(MaterialStack& stack, std::span<const std::uint32_t> columns,
+                        const std::function<std::vector<Layer>(std::size_t place, std::vector<Layer>)>& change);
+
 /// Columns as they were before an edit of several steps, to return to if a later step fails.
 class KeptColumns
 {

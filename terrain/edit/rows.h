@@ -8,6 +8,7 @@ namespace hoodoo
 
 EditTool carve_tool();
 EditTool sculpt_tool();
+EditTool sweep_tool();
 EditTool deposit_tool();
 EditTool stabilise_tool();
 

@@ -6,8 +6,8 @@
 #include "terrain/error.h"
 #include "terrain/stack/convolution.h"
 #include "tests/counts.h"
+#include "tests/edits.h"
 #include "tests/stacks.h"
-#include "tests/tables.h"
 
 #include <gtest/gtest.h>
 
@@ -17,6 +17,8 @@ namespace
 {
 
 using Column = std::vector<Layer>;
+using testing::edit;
+using testing::error_of;
 using testing::table;
 
 std::shared_ptr<MaterialStack> flat(int n, double cell, double unit, std::int32_t top, Vec3d origin = Vec3d(0.0))
@@ -29,29 +31,6 @@ std::shared_ptr<MaterialStack> flat(int n, double cell, double unit, std::int32_
 Ground bedrock(std::shared_ptr<const MaterialStack> stack)
 {
     return Ground(std::move(stack), material_set({Material::bedrock}), Border::extend);
-}
-
-/// Applies one table of `tool` as a scene would, its `number`-th edit.
-ColumnSet apply(MaterialStack& stack, const std::string& tool, const Node& entries, std::size_t number = 0)
-{
-    Node with_tool = entries;
-    std::get<Node::Table>(with_tool.value).emplace_back("tool", testing::text(tool));
-    const Schema schema{"edits", "", {{.name = "edit", .type = ParameterType::tables, .discriminator = "tool", .items = edit_schemas()}}};
-    std::vector<Problem> problems;
-    const Values values = check(schema, table({{"edit", testing::tables({with_tool})}}), problems);
-    if (!problems.empty()) throw Error(ErrorKind::scene, problems);
-    return apply_edit(stack, values.tables("edit")[0], 1, number);
-}
-
-template <class F>
-std::string error_of(F&& f)
-{
-    try {
-        f();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
 }
 
 TEST(AxisProfile, has_the_golden_column_roots)
@@ -247,7 +226,7 @@ TEST(Sculpt, repeated_strokes_on_a_wall_build_an_overhang)
     auto stack = std::make_shared<MaterialStack>(Vec2i(40, 40), 1.0, 0.01);
     for (int j = 0; j < 40; ++j)
         for (int i = 0; i < 40; ++i) stack->set_column(i, j, Column{{Material::bedrock, i < 20 ? 3000 : 400}});
-    const ColumnSet changed = apply(*stack, "sculpt", table({{"target", {26.0, 20.0, 18.0}}, {"radius", 5.0}, {"depth", 1.0}, {"strokes", 12.0}}));
+    const ColumnSet changed = edit(*stack, "sculpt", table({{"target", {26.0, 20.0, 18.0}}, {"radius", 5.0}, {"depth", 1.0}, {"strokes", 12.0}}));
     EXPECT_GT(changed.count(), 20u);
     const Column nose = stack->column(21, 20);
     ASSERT_EQ(nose.size(), 3u);
@@ -260,9 +239,9 @@ TEST(Sculpt, scattered_strokes_depend_on_the_edits_name_alone)
 {
     const Node entries = table({{"target", {10.0, 10.0, 10.0}}, {"radius", 3.0}, {"strokes", 8.0}, {"scatter", 4.0}});
     const auto one = flat(20, 1.0, 0.01, 800), same = flat(20, 1.0, 0.01, 800), other = flat(20, 1.0, 0.01, 800);
-    apply(*one, "sculpt", entries);
-    apply(*same, "sculpt", entries);
-    apply(*other, "sculpt", entries, 1);
+    edit(*one, "sculpt", entries);
+    edit(*same, "sculpt", entries);
+    edit(*other, "sculpt", entries, 1);
     int different = 0;
     for (int j = 0; j < 20; ++j) {
         for (int i = 0; i < 20; ++i) {
@@ -276,7 +255,7 @@ TEST(Sculpt, scattered_strokes_depend_on_the_edits_name_alone)
 TEST(Sculpt, says_what_cannot_be_and_leaves_the_stack_as_it_was)
 {
     const auto stack = flat(8, 1.0, 0.01, 8100);
-    const auto message = [&](const Node& entries) { return error_of([&] { apply(*stack, "sculpt", entries); }); };
+    const auto message = [&](const Node& entries) { return error_of([&] { edit(*stack, "sculpt", entries); }); };
     EXPECT_EQ(message(table({{"target", {9.0, 4.0, 80.0}}, {"radius", 2.0}})),
               "the tool lies outside the terrain, expected x in [0, 8] m and y in [0, 8] m, got (9, 4) m");
     EXPECT_EQ(message(table({{"target", {4.0, 4.0, 81.0}}, {"radius", -2.0}})),
