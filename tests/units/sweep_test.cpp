@@ -238,7 +238,11 @@ TEST(Sweep, puts_an_arch_into_the_air_and_takes_only_what_it_may)
 
     MaterialStack sandy({20, 20}, 1.0, 0.01);
     sandy.set_columns({0, 0}, {20, 20}, std::vector<Column>(400, {{Material::bedrock, 1000}, {Material::sand, 1200}}));
-    edit(sandy, "sweep", table({{"points", list({{5.0, 10.0, 10.0}, {15.0, 10.0, 10.0}})}, {"radius", {1.5}}, {"removes", list({"bedrock"})}}));
+    edit(sandy, "sweep",
+         table({{"points", list({{5.0, 10.0, 10.0}, {15.0, 10.0, 10.0}})},
+                {"radius", {1.5}},
+                {"removes", list({"bedrock"})},
+                {"stabilise", testing::flag(false)}}));
     std::int32_t sand = 0, below = 0;
     for (const Layer& layer : sandy.column(10, 10)) {
         if (layer.material == Material::sand) sand += layer.top - below;
