@@ -120,7 +120,7 @@ EditTool deposit_tool()
     };
     schema.parameters.insert(schema.parameters.end(), own.begin(), own.end());
     const auto apply = [](MaterialStack& stack, const Values& edit, const EditContext& context) {
-        Dropping drop{region_of(edit, context.seed), 0, edit.number("amount"), edit.text("distribution"), edit.number("patchiness"), 0.0, 0};
+        Dropping drop{region_of(stack, edit, context.seed), 0, edit.number("amount"), edit.text("distribution"), edit.number("patchiness"), 0.0, 0};
         const Material material = material_from_name(edit.text("material"));
         while (kLooseOrder[drop.kind] != material) ++drop.kind;
         drop.patch_size = edit.has("patch_size") ? edit.number("patch_size") : 8.0 * stack.cell();

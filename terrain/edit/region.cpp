@@ -214,6 +214,10 @@ std::vector<Parameter> region_parameters()
          .unit = "m",
          .min_count = 1,
          .max_count = 100000},
+        {.name = "drape",
+         .type = ParameterType::boolean,
+         .doc = "Whether the heights of the points count from the top of the ground below them, all along the line.",
+         .fallback = false},
         {.name = "region",
          .type = ParameterType::choice,
          .doc = "Its shape.",
@@ -261,14 +265,51 @@ std::vector<Parameter> region_parameters()
     };
 }
 
-Region region_of(const Values& edit, std::uint64_t seed)
+namespace
+{
+
+/// The line with its heights counted from the top of the stack (water left out) below it, in steps of two cells at most.
+void drape(const MaterialStack& stack, Region& region)
+{
+    const auto top = [&](const Vec3d& p) {
+        const auto place = [&](double x, int n) { return static_cast<int>(std::clamp(std::floor(x / stack.cell()), 0.0, n - 1.0)); };
+        const Vec3d local = p - stack.origin();
+        const auto words = stack.words(place(local.x, stack.size().x), place(local.y, stack.size().y));
+        std::int32_t units = 0;
+        for (const std::uint16_t word : words) {
+            if (MaterialStack::material_of(word) != Material::water) units = MaterialStack::top_of(word);
+        }
+        return stack.origin().z + units * stack.unit();
+    };
+    Region draped = region;
+    draped.points.clear();
+    draped.radii.clear();
+    const auto add = [&](std::size_t from, std::size_t to, double u) {
+        const Vec3d p = region.points[from] + (region.points[to] - region.points[from]) * u;
+        draped.points.push_back(p + Vec3d(0, 0, top(p)));
+        if (region.radii.size() > 1) draped.radii.push_back(region.radii[from] + (region.radii[to] - region.radii[from]) * u);
+    };
+    add(0, 0, 0.0);
+    for (std::size_t k = 0; k + 1 < region.points.size(); ++k) {
+        const Vec3d way = region.points[k + 1] - region.points[k];
+        const double count = std::max(1.0, std::ceil(std::hypot(way.x, way.y) / (2.0 * stack.cell())));
+        if (!(count + static_cast<double>(draped.points.size()) < 1e6)) throw Error(ErrorKind::scene, "a tool's way takes more than 1e6 steps");
+        for (int n = 1; n <= count; ++n) add(k, k + 1, n / count);
+    }
+    if (region.radii.size() == 1) draped.radii = region.radii;
+    region = std::move(draped);
+}
+
+}  // namespace
+
+Region region_of(const MaterialStack& stack, const Values& edit, std::uint64_t seed)
 {
     Region region;
     const std::string& shape = edit.text("region");
     region.shape = shape == "box" ? Region::Shape::box : shape == "capsule" ? Region::Shape::capsule : Region::Shape::ball;
     const auto belongs = [&](const char* key, bool wanted) {
         if (edit.has(key) == wanted) return;
-        throw edit.problem(key, fmt::format("a region of shape \"{}\"", shape), fmt::format("{} `{}`", wanted ? "a" : "no", key));
+        throw edit.problem(key, fmt::format("a region of shape \"{}\"", shape), fmt::format("{} `{}`", wanted ? "its" : "no", key));
     };
     const bool box = region.shape == Region::Shape::box;
     belongs("radius", !box);
@@ -286,6 +327,7 @@ Region region_of(const Values& edit, std::uint64_t seed)
     region.roughness = edit.number("roughness");
     region.wavelength = edit.has("wavelength") ? edit.number("wavelength") : box ? region.half_size.x : region.radii[0];
     region.seed = static_cast<std::uint32_t>(seed);
+    if (edit.boolean("drape")) drape(stack, region);
     return region;
 }
 

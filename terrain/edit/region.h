@@ -33,9 +33,10 @@ struct ColumnSpan {
 /// disjoint. Columns outside the grid are left out.
 std::vector<ColumnSpan> column_spans(const MaterialStack& stack, const Region& region);
 
-/// The parameters of a region, for a tool's schema, and the region that checked ones describe. Throws Error (scene) at the value that makes no sense.
+/// The parameters of a region, for a tool's schema, and the region that checked ones describe. With `drape` its line follows the top of the ground.
+/// Throws Error (scene) at the value that makes no sense.
 std::vector<Parameter> region_parameters();
-Region region_of(const Values& edit, std::uint64_t seed);
+Region region_of(const MaterialStack& stack, const Values& edit, std::uint64_t seed);
 
 /// The error of a tool that meets no column of the grid.
 Error outside_the_terrain(const MaterialStack& stack, const Values& edit, const std::string& key);

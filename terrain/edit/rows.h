@@ -10,6 +10,8 @@ EditTool carve_tool();
 EditTool sculpt_tool();
 EditTool sweep_tool();
 EditTool deposit_tool();
+EditTool erode_tool();
+EditTool fill_tool();
 EditTool stabilise_tool();
 
 }  // namespace hoodoo

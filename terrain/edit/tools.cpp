@@ -17,6 +17,7 @@ std::span<const EditTool> edit_tools()
 {
     static const std::vector<EditTool> rows = {
         carve_tool(), sculpt_tool(), sweep_tool(), deposit_tool(), stabilise_tool(),
+        carve_tool(), sculpt_tool(), deposit_tool(), erode_tool(), fill_tool(), stabilise_tool(),
     };
     return rows;
 }
