@@ -15,10 +15,17 @@ namespace hoodoo
 
 std::span<const EditTool> edit_tools()
 {
+    // clang-format off
     static const std::vector<EditTool> rows = {
-        carve_tool(), sculpt_tool(), sweep_tool(), deposit_tool(), stabilise_tool(),
-        carve_tool(), sculpt_tool(), deposit_tool(), erode_tool(), fill_tool(), stabilise_tool(),
+        carve_tool(),
+        sculpt_tool(),
+        sweep_tool(),
+        deposit_tool(),
+        erode_tool(),
+        fill_tool(),
+        stabilise_tool(),
     };
+    // clang-format on
     return rows;
 }
 

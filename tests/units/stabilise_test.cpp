@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 namespace hoodoo
 {
 namespace
@@ -352,6 +354,12 @@ TEST(Stabilise, sand_creeps_under_the_rock_that_lies_on_it)
     EXPECT_EQ(masses(stack)[static_cast<std::size_t>(sand)], 40);
     EXPECT_EQ(stack.column(1, 0).back(), (Layer{rock, stack.column(1, 0)[1].top + 3}));
     EXPECT_LE(stack.column(1, 0)[1].top - stack.column(0, 0)[1].top, 6);
+}
+
+TEST(EditTools, have_names_of_their_own)
+{
+    std::set<std::string> names;
+    for (const EditTool& tool : edit_tools()) EXPECT_TRUE(names.insert(tool.schema.name).second) << tool.schema.name;
 }
 
 TEST(Stabilise, refuses_an_angle_that_no_slope_has)
