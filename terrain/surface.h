@@ -105,6 +105,13 @@ public:
 
     /// The implicit function whose zero set this is, alive as long as the surface; nullptr where there is none. How hosts reach its values.
     virtual const Field* field() const { return nullptr; }
+
+    /// The same for a surface of several bodies, each the zero set of a field of its own.
+    virtual std::vector<const Field*> fields() const
+    {
+        const Field* only = field();
+        return only ? std::vector<const Field*>{only} : std::vector<const Field*>{};
+    }
 };
 
 }  // namespace hoodoo

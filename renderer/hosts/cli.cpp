@@ -160,17 +160,22 @@ void finish_import(Arguments& a)
     if (!a.degrees.empty()) std::tie(o.degrees_x, o.degrees_y) = std::pair(a.degrees.front(), a.degrees.back());
 }
 
-void add_export(CLI::App& app, Arguments& a, const char* name, const char* help, const CLI::Validator& output)
+CLI::App* add_export(CLI::App& app, Arguments& a, const char* name, const char* help, const CLI::Validator& output)
 {
     CLI::App* command = app.add_subcommand(name, help);
     add_scene_options(*command, a);
     command->add_option("--terrain", a.exported.terrain, "Which terrain of the scene, where it has several");
     command->add_option("-o,--output", a.exported.output, "File to write")->required()->check(output);
+    return command;
 }
 
 void add_commands(CLI::App& app, Arguments& a)
 {
     add_export(app, a, "bake", "Write the layers of a terrain, edits done, as a deep EXR that a scene reads back", file_name("a stack", ".exr"));
+    add_export(app, a, "mesh", "Write a terrain as triangles, with its measured error", file_name("a mesh", ".ply", ".obj"))
+        ->add_option("--spacing", a.exported.spacing, "Metres between samples; without it a column of the stack")
+        ->transform(in_metres)
+        ->check(CLI::PositiveNumber);
     add_import_dem(app, a);
     add_render(app, a);
     add_movie(app, a);
@@ -247,6 +252,7 @@ int run(int argc, char** argv)
     }
     arguments.exported.scene = arguments.render.scene;
     if (name == "bake") return run_bake(arguments.exported);
+    if (name == "mesh") return run_mesh(arguments.exported);
     if (name == "schema") return run_schema(arguments.section);
     return run_version();
 }

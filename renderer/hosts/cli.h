@@ -54,6 +54,7 @@ struct ImportArguments {
 struct ExportArguments {
     SceneArguments scene;
     std::string terrain, output;
+    double spacing = 0.0;  ///< of a mesh, metres; 0: by default
 };
 
 /// Each returns the exit code and throws what it cannot do.
@@ -65,6 +66,7 @@ int run_version();
 int run_import_dem(const ImportArguments& arguments);
 int run_movie(const MovieArguments& arguments);
 int run_bake(const ExportArguments& arguments);
+int run_mesh(const ExportArguments& arguments);
 
 /// A bar with the time left on a terminal; elsewhere a plain line for each tenth. On stderr: stdout is for data.
 class Progress

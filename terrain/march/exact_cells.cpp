@@ -57,6 +57,10 @@ public:
     {
         Vec3d lo, hi;
         cluster_box(tiles_[patch.tile], patch.index, lattice_, lo, hi);
+        for (int k = 0; k < 2; ++k) {
+            lo[k] = std::clamp(lo[k], domain_lo_[k], domain_hi_[k]);
+            hi[k] = std::clamp(hi[k], domain_lo_[k], domain_hi_[k]);
+        }
         // A millionth of a cell: far above the rounding of double precision, in which hits are found.
         const Vec3d slack(1e-6 * lattice_.cell);
         return {lattice_.world(lo) - slack, lattice_.world(hi) + slack};

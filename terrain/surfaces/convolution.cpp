@@ -110,6 +110,12 @@ public:
 
     /// Two bodies have no common field.
     const Field* field() const override { return bodies_.size() == 1 ? bodies_.front().field.get() : nullptr; }
+    std::vector<const Field*> fields() const override
+    {
+        std::vector<const Field*> all;
+        for (const Body& body : bodies_) all.push_back(body.field.get());
+        return all;
+    }
 
     SurfaceInfo info() const override
     {

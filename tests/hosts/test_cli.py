@@ -402,3 +402,25 @@ def test_bake_names_what_it_cannot_bake(tmp_path, scene):
     result = hoodoo("bake", scene, "--terrain", "flor", "-o", tmp_path / "a.exr")
     assert result.returncode == 2 and 'there is no terrain "flor", expected one of floor (did you mean "floor")' in result.stderr, result.stderr
     assert hoodoo("bake", scene, "-o", tmp_path / "a.png").returncode == 2
+
+
+# -- Meshes ---------------------------------------------------------------------------------------------------------------
+
+def test_mesh_writes_a_terrain_that_another_scene_reads(tmp_path):
+    (tmp_path / "a.toml").write_text(LAYERED + '[[terrain.hill.edit]]\ntool = "carve"\npoints = [[16, 8, 12]]\nradius = [4.0]\n')
+    result = hoodoo("mesh", tmp_path / "a.toml", "-o", tmp_path / "a.ply", "-q")
+    assert result.returncode == 0, result.stderr
+    report = json.loads(result.stdout)
+    # A tunnel through a slab of 24 x 16 m: the top, and the tunnel's wall of about 2 pi 1.5 m x 16 m.
+    assert report["spacing"] == 1.0 and 2 * 24 * 16 < report["triangles"] < 4 * 24 * 16 and report["unrefined"] == 0
+    assert 0 < report["mean_error"] < 0.1 < report["maximum_error"] * 10
+    assert report["without_material"] == 0
+    head = (tmp_path / "a.ply").read_bytes().split(b"end_header\n")[0].decode()
+    assert f"element vertex {report['vertices']}\n" in head and "property float material_bedrock\n" in head
+    finer = json.loads(hoodoo("mesh", tmp_path / "a.toml", "-o", tmp_path / "fine.obj", "--spacing", "25 cm", "-q").stdout)
+    assert finer["triangles"] > 10 * report["triangles"] and finer["mean_error"] < report["mean_error"] / 3
+    (tmp_path / "b.toml").write_text(LAYERED.split("[terrain.hill]")[0] + '[terrain.hill]\ntype = "mesh"\nfile = "a.ply"\nmaterial = "bedrock"\n')
+    assert hoodoo("check", tmp_path / "b.toml").returncode == 0
+    again = hoodoo("mesh", tmp_path / "b.toml", "-o", tmp_path / "b.ply")
+    assert again.returncode == 2 and "a terrain without a field has no mesh" in again.stderr
+    assert not list(tmp_path.glob(".*"))
