@@ -121,11 +121,12 @@ Appearance Scene::appearance(std::uint32_t object, const Interaction& at, double
         sum.albedo += one.albedo * share;
         sum.roughness += one.roughness * share;
         sum.normal += one.normal * static_cast<double>(share);
+        sum.coat += one.coat * share;
         total += share;
     }
     const double length = sum.normal.length();
     if (!(total > 0.0f) || !(length > 0.0)) return {Vec3f(0.0f), 0.0f, at.shading_normal};
-    return {sum.albedo / total, sum.roughness / total, sum.normal / length};
+    return {sum.albedo / total, sum.roughness / total, sum.normal / length, sum.coat / total};
 }
 
 }  // namespace hoodoo

@@ -56,7 +56,7 @@ public:
     const std::vector<Shape>& shapes() const { return shapes_; }
     const Tracer& tracer() const { return *tracer_; }
 
-    /// Albedo, roughness and normal at an interaction: the materials blended by their visible shares.
+    /// Albedo, roughness, normal and coat at an interaction: the materials blended by their visible shares.
     Appearance appearance(std::uint32_t object, const Interaction& at, double footprint) const;
 
     /// Union of the objects' bounds, metres; a side that is infinite does not count. Empty without objects.

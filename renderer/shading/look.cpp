@@ -58,13 +58,14 @@ ColorMatrix matrix_from(const ColorConverter& convert, const std::string& space)
 }
 
 /// The default roughness of each procedure, in the order of the enumeration: the root mean square slope of relief too fine to be drawn.
-constexpr std::array<float, 5> kRoughness = {0.0f, 0.30f, 0.30f, 0.35f, 0.40f};
+constexpr std::array<float, 6> kRoughness = {0.0f, 0.30f, 0.30f, 0.35f, 0.40f, 0.0f};
 
 struct Settings {
     Procedure procedure = Procedure::plain;
     Palette palette{};
     std::optional<Vec3f> mean;  ///< what a procedure's mean is scaled to
     float roughness = 0.0f;
+    float coat = 0.0f;
     double contrast = 1.0;
     double variation = 0.0;
     double bump = 1.0;
@@ -95,6 +96,7 @@ public:
 
         Vec3d relief = pattern.relief;
         if (s_.normal_map) relief = projected_slopes(at, footprint);
+        a.coat = s_.coat;
         a.normal =
             relief == Vec3d(0.0) || s_.bump == 0.0 ? at.shading_normal : bumped_normal(at.shading_normal, relief * s_.bump, at.geometric_normal);
         return a;
@@ -166,7 +168,8 @@ Settings procedural_settings(const std::string& name, Procedure procedure, const
     const Palette& source = procedure_palette(procedure);
     for (std::size_t i = 0; i < source.size(); ++i) s.palette[i] = inside_unit_cube(converted(to_rendering, {Vec3d(source[i]), "lin_rec709"}));
     s.roughness = kRoughness[static_cast<std::size_t>(procedure)];
-    s.variation = procedure == Procedure::plain ? 0.0 : 0.08;
+    s.variation = procedure == Procedure::plain || procedure == Procedure::water ? 0.0 : 0.08;
+    s.coat = procedure == Procedure::water ? 1.0f : 0.0f;
     return s;
 }
 
@@ -199,7 +202,8 @@ const Schema& material_schema()
 {
     static const Schema schema{
         "material",
-        "How a material looks. With an empty table, or none, the procedural look of its name (sand, bedrock, rock, soil), so that no file is needed.",
+        "How a material looks. With an empty table, or none, the procedural look of its name (sand, bedrock, rock, soil, water), so that no file is "
+        "needed.",
         {
             {.name = "procedural",
              .type = ParameterType::choice,
@@ -219,6 +223,11 @@ const Schema& material_schema()
             {.name = "roughness",
              .type = ParameterType::number,
              .doc = "Of the rough diffuse model: standard deviation of unseen slopes; 0 is Lambert. Default: 0 for plain, 0.3 to 0.4 else",
+             .minimum = 0.0,
+             .maximum = 1.0},
+            {.name = "coat",
+             .type = ParameterType::number,
+             .doc = "Share of the surface under a smooth film of water that mirrors. Default: 1 for water, 0 else",
              .minimum = 0.0,
              .maximum = 1.0},
             {.name = "roughness_texture", .type = ParameterType::path, .doc = "Image of the roughness, its first channel, numbers as they are"},
@@ -271,13 +280,15 @@ const Schema& material_schema()
 std::unique_ptr<Look> make_look(const std::string& name, const Values& values, const ColorConverter& to_rendering, const PathResolver& resolve)
 {
     const bool own_color = values.has("albedo") || values.has("albedo_texture");
+    const bool water = procedure_for(name) == Procedure::water && !values.has("albedo_texture");  // a colour does not still its waves
     const Procedure procedure = values.has("procedural") ? procedure_for(values.text("procedural"))
-                                : own_color              ? Procedure::plain
+                                : own_color && !water    ? Procedure::plain
                                                          : procedure_for(name);
     Settings s = procedural_settings(name, procedure, to_rendering);
     add_textures(s, values, to_rendering, resolve);
     if (s.albedo) s.variation = 0.12;
     if (values.has("roughness")) s.roughness = static_cast<float>(values.number("roughness"));
+    if (values.has("coat")) s.coat = static_cast<float>(values.number("coat"));
     if (values.has("variation")) s.variation = values.number("variation");
     s.contrast = values.number("contrast");
     s.bump = values.number("bump");

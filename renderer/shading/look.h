@@ -22,6 +22,7 @@ struct Appearance {
     Vec3f albedo{0.5f};      ///< single-scattering albedo of the diffuse model, each channel in [0, 1]
     float roughness = 0.0f;  ///< of the rough diffuse model, in [0, 1]; 0 is Lambert
     Vec3d normal{0, 0, 1};   ///< unit, world space: the shading normal with bump applied, in the hemisphere of the geometric normal
+    float coat = 0.0f;       ///< share of the surface under a smooth film of water, in [0, 1]
 };
 
 /// How one material of a scene looks. Immutable, thread-safe.

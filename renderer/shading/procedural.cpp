@@ -1,4 +1,5 @@
-// Procedural looks: beds of sandstone with desert varnish, rippled sand, mottled rock and soil, from hashed beds and gradient noise (Perlin2002).
+// Procedural looks: beds of sandstone with desert varnish, rippled sand, mottled rock and soil, trembling water, from hashed beds and gradient noise
+// (Perlin2002).
 //
 // All detail is a sum of octaves of zero mean around a mean colour. An octave of wavelength L is weighted by kept_share(L, footprint), so that it
 // is gone before it could alias (Nyquist: L = 2 footprint), and the mean remains. Steps (bed boundaries) are as wide as the footprint. Where a
@@ -253,9 +254,27 @@ Pattern soil(const Palette& colors, std::uint64_t seed, const Interaction& at, d
     return {t < 0.0 ? mix(colors[0], colors[1], std::min(-t, 1.0)) : mix(colors[0], colors[2], std::min(t, 1.0)), crumbs.gradient, crumbs.lost};
 }
 
+/// Still water under a light breeze: what comes back from its depth is one blue-grey; waves are relief, in patches where the wind touches down.
+/// Slopes of a hundredth or two: a mirror that trembles. Palette: depth, (unused) ...
+Pattern water(const Palette& colors, std::uint64_t seed, const Interaction& at, double footprint)
+{
+    const Vec3d flat(at.texture_point.x, at.texture_point.y, 0.0);
+    Sum wind, waves;
+    wind.add(seed ^ 1, flat, 61.0, 1.0, 0.0, 0.0);
+    wind.add(seed ^ 2, flat, 17.0, 0.4, 0.0, 0.0);
+    waves.add(seed ^ 3, flat, 5.3, 0.0, 0.020, footprint);
+    waves.add(seed ^ 4, flat, 1.7, 0.0, 0.011, footprint);
+    waves.add(seed ^ 5, flat, 0.59, 0.0, 0.0055, footprint);
+    waves.add(seed ^ 6, flat, 0.21, 0.0, 0.0022, footprint);
+    const double touched = 0.25 + 0.75 * smooth_step(-0.3, 0.4, wind.value);
+    Vec3d relief = waves.gradient * touched;
+    relief.z = 0.0;
+    return {colors[0], relief, waves.lost * touched * touched};
+}
+
 // Reflectances in linear Rec.709, chosen by eye within what is measured for such materials: sandstone 0.1 to 0.6, dry sand 0.3 to 0.5, soil 0.1 to
 // 0.2.
-constexpr std::size_t kProcedures = 5;
+constexpr std::size_t kProcedures = 6;
 const std::array<Palette, kProcedures> kPalettes = {{
     {Vec3f(0.5f), Vec3f(0.5f), Vec3f(0.5f), Vec3f(0.5f), Vec3f(0.5f)},
     {Vec3f(0.46f, 0.315f, 0.185f), Vec3f(0.56f, 0.425f, 0.28f), Vec3f(0.37f, 0.215f, 0.112f), Vec3f(0.5f), Vec3f(0.5f)},
@@ -263,13 +282,14 @@ const std::array<Palette, kProcedures> kPalettes = {{
      Vec3f(0.105f, 0.064f, 0.046f)},
     {Vec3f(0.265f, 0.235f, 0.20f), Vec3f(0.15f, 0.13f, 0.112f), Vec3f(0.40f, 0.365f, 0.315f), Vec3f(0.43f, 0.44f, 0.33f), Vec3f(0.45f, 0.25f, 0.07f)},
     {Vec3f(0.165f, 0.108f, 0.068f), Vec3f(0.10f, 0.064f, 0.04f), Vec3f(0.25f, 0.175f, 0.115f), Vec3f(0.5f), Vec3f(0.5f)},
+    {Vec3f(0.022f, 0.045f, 0.056f), Vec3f(0.5f), Vec3f(0.5f), Vec3f(0.5f), Vec3f(0.5f)},
 }};
 
 }  // namespace
 
 const std::vector<std::string>& procedure_names()
 {
-    static const std::vector<std::string> names = {"plain", "sand", "bedrock", "rock", "soil"};
+    static const std::vector<std::string> names = {"plain", "sand", "bedrock", "rock", "soil", "water"};
     return names;
 }
 
@@ -294,6 +314,8 @@ Pattern evaluate_procedure(Procedure procedure, const Palette& palette, std::uin
             return rock(palette, seed, at, footprint);
         case Procedure::soil:
             return soil(palette, seed, at, footprint);
+        case Procedure::water:
+            return water(palette, seed, at, footprint);
         case Procedure::plain:
             break;
     }

@@ -11,7 +11,7 @@
 namespace hoodoo
 {
 
-enum class Procedure : std::uint8_t { plain, sand, bedrock, rock, soil };
+enum class Procedure : std::uint8_t { plain, sand, bedrock, rock, soil, water };
 
 /// Names as the scene writes them, in the order of the enumeration.
 const std::vector<std::string>& procedure_names();

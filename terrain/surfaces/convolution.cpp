@@ -5,10 +5,12 @@
 // hit on the field itself in double precision: a bracket around t, then bisection with secant steps. Geometric normal: the field's gradient
 // (one-sided). Shading normal: central differences with half-width `normal_width` (continuous). Deviations: the paper polygonises; its triplanar
 // weights belong to the renderer. Surfaces exist over the grid's rectangle only: with `extend` the edge columns go on for the field's sake (no wall
-// at the edge), but rays beyond it meet nothing. Missing: water surfaces; rocks as instances.
+// at the edge), but rays beyond it meet nothing. Water is a body without a field, flat on top (march/water_patches.h), after all others.
+// Missing: rocks as instances.
 #include "terrain/error.h"
 #include "terrain/march/exact_cells.h"
 #include "terrain/march/sphere_bricks.h"
+#include "terrain/march/water_patches.h"
 #include "terrain/stack/visible.h"
 #include "terrain/surfaces/refine.h"
 #include "terrain/surfaces/rows.h"
@@ -42,10 +44,25 @@ public:
         body.patches = make(*body.field);
         tiles_ += body.patches->tile_count();
         bodies_.push_back(std::move(body));
+        name_materials();
+    }
+
+    /// After all bodies: the water that stands on the first of them.
+    void add_water()
+    {
+        water_ = std::make_unique<WaterPatches>(*bodies_.front().field);
+        first_water_tile_ = tiles_;
+        tiles_ += water_->tile_count();
+        name_materials();
+    }
+
+    void name_materials()
+    {
         names_.clear();
         for (std::size_t m = 0; m < kMaterialCount; ++m) {
             bool used = false;
             for (const Body& b : bodies_) used = used || ((b.set >> m) & 1u);
+            used = used || (water_ && static_cast<Material>(m) == Material::water);
             index_of_[m] = static_cast<std::uint8_t>(names_.size());
             if (used) names_.push_back(material_name(static_cast<Material>(m)));
         }
@@ -56,16 +73,23 @@ public:
     std::uint32_t tile_count() const override { return tiles_; }
     std::uint32_t patch_count(std::uint32_t tile) const override
     {
+        if (is_water(tile)) return water_->patch_count(tile - first_water_tile_);
         const Body& body = body_of(tile);
         return body.patches->patch_count(tile - body.first_tile);
     }
     Box3d patch_bounds(PatchId patch) const override
     {
+        if (is_water(patch.tile)) return water_->patch_bounds({patch.tile - first_water_tile_, patch.index});
         const Body& body = body_of(patch.tile);
         return body.patches->patch_bounds({patch.tile - body.first_tile, patch.index});
     }
     bool intersect(PatchId patch, const Ray& ray, Hit& hit) const override
     {
+        if (is_water(patch.tile)) {
+            if (!water_->intersect({patch.tile - first_water_tile_, patch.index}, ray, hit)) return false;
+            hit.patch = patch;
+            return true;
+        }
         const Body& body = body_of(patch.tile);
         if (!body.patches->intersect({patch.tile - body.first_tile, patch.index}, ray, hit)) return false;
         hit.patch = patch;
@@ -73,12 +97,14 @@ public:
     }
     bool occluded(PatchId patch, const Ray& ray) const override
     {
+        if (is_water(patch.tile)) return Surface::occluded(patch, ray);
         const Body& body = body_of(patch.tile);
         return body.patches->occluded({patch.tile - body.first_tile, patch.index}, ray);
     }
 
     Interaction interact(const Ray& ray, const Hit& hit) const override
     {
+        if (is_water(hit.patch.tile)) return on_water(ray, hit);
         const Body& body = body_of(hit.patch.tile);
         Interaction at;
         const Refined refined = refine_crossing(*body.field, ray, hit.t, body.patches->value_error(), stack_->cell());
@@ -102,14 +128,14 @@ public:
         for (const Body& body : bodies_) {
             if (body.field->value(p) <= 0.0) return true;
         }
-        return false;
+        return water_ && water_->contains(p);
     }
 
     std::vector<std::string> materials() const override { return names_; }
     bool closed() const override { return bodies_.front().field->ground().border() == Border::cut; }
 
     /// Two bodies have no common field.
-    const Field* field() const override { return bodies_.size() == 1 ? bodies_.front().field.get() : nullptr; }
+    const Field* field() const override { return bodies_.size() == 1 && !water_ ? bodies_.front().field.get() : nullptr; }
     std::vector<const Field*> fields() const override
     {
         std::vector<const Field*> all;
@@ -127,11 +153,36 @@ public:
             info.trace_bytes += body.patches->memory_bytes();
             for (std::uint32_t t = 0; t < body.patches->tile_count(); ++t) info.patches += body.patches->patch_count(t);
         }
+        if (water_) {
+            info.trace_bytes += water_->memory_bytes();
+            for (std::uint32_t t = 0; t < water_->tile_count(); ++t) info.patches += water_->patch_count(t);
+        }
         info.build_seconds = build_seconds_;
         return info;
     }
 
 private:
+    bool is_water(std::uint32_t tile) const { return water_ && tile >= first_water_tile_; }
+
+    Interaction on_water(const Ray& ray, const Hit& hit) const
+    {
+        Hit own = hit;
+        own.patch.tile -= first_water_tile_;
+        Interaction at = water_->interact(ray, own);
+        at.materials.add(index_of_[static_cast<std::size_t>(Material::water)], 1.0f);
+        // Off the water, and off the ground where a shore leaves room for it.
+        at.spawn_offset = std::max(2.0 * at.position_error, 1e-9 * stack_->cell());
+        for (double offset = at.spawn_offset; offset < bodies_.front().field->sigma(); offset *= 2.0) {
+            const Vec3d p = at.position + at.geometric_normal * offset;
+            const bool free =
+                std::all_of(bodies_.begin(), bodies_.end(), [&](const Body& b) { return b.field->value(p) > 2.0 * b.patches->value_error(); });
+            if (!free || water_->contains(p)) continue;
+            at.spawn_offset = offset;
+            break;
+        }
+        return at;
+    }
+
     const Body& body_of(std::uint32_t tile) const
     {
         std::size_t b = bodies_.size() - 1;
@@ -153,6 +204,7 @@ private:
         for (double offset = own; offset < most; offset *= 2.0) {
             bool all = true;
             for (const Body& b : bodies_) all = all && outside(b, offset);
+            all = all && !(water_ && water_->contains(at.position + at.geometric_normal * offset));
             if (all) return offset;
         }
         return own;
@@ -187,6 +239,8 @@ private:
     std::shared_ptr<const MaterialStack> stack_;
     double normal_width_;
     std::vector<Body> bodies_;
+    std::unique_ptr<const WaterPatches> water_;
+    std::uint32_t first_water_tile_ = 0;
     std::uint32_t tiles_ = 0;
     std::vector<std::string> names_;
     std::array<std::uint8_t, kMaterialCount> index_of_{};
@@ -240,6 +294,7 @@ Shape make_convolution(const Values& values, const BuildContext& context)
         const Ground rock(stack, material_set({Material::rock}), border, static_cast<std::int32_t>(base));
         surface->add_body(rock, sigma, choose_intersector(values, rock, sigma));
     }
+    if (values.text("water") == "surface" && !ground.contains(Material::water) && has_material(*stack, Material::water)) surface->add_water();
     surface->set_build_seconds(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     return surface;
 }
@@ -262,6 +317,11 @@ CatalogueEntry convolution_row()
          .doc = "Rock layers: a surface of their own, part of the ground, or not traced.",
          .fallback = std::string("surface"),
          .choices = {"surface", "ground", "hidden"}},
+        {.name = "water",
+         .type = ParameterType::choice,
+         .doc = "Water layers: a flat surface of their own, or not traced.",
+         .fallback = std::string("surface"),
+         .choices = {"surface", "hidden"}},
         {.name = "border",
          .type = ParameterType::choice,
          .doc = "Edge columns go on for ever, or the block is cut out with walls and a bottom.",
