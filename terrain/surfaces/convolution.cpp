@@ -170,16 +170,15 @@ private:
         own.patch.tile -= first_water_tile_;
         Interaction at = water_->interact(ray, own);
         at.materials.add(index_of_[static_cast<std::size_t>(Material::water)], 1.0f);
-        // Off the water, and off the ground where a shore leaves room for it.
-        at.spawn_offset = std::max(2.0 * at.position_error, 1e-9 * stack_->cell());
-        for (double offset = at.spawn_offset; offset < bodies_.front().field->sigma(); offset *= 2.0) {
+        // Off the water; and off the ground too, where the shore is so near that its field cannot tell, unless the shore stands upright.
+        const double least = std::max(2.0 * at.position_error, 1e-9 * stack_->cell()), most = 1e-3 * stack_->cell();
+        const auto dry = [&](double offset) {
             const Vec3d p = at.position + at.geometric_normal * offset;
-            const bool free =
-                std::all_of(bodies_.begin(), bodies_.end(), [&](const Body& b) { return b.field->value(p) > 2.0 * b.patches->value_error(); });
-            if (!free || water_->contains(p)) continue;
-            at.spawn_offset = offset;
-            break;
-        }
+            return std::all_of(bodies_.begin(), bodies_.end(), [&](const Body& b) { return b.field->value(p) > 2.0 * b.patches->value_error(); });
+        };
+        at.spawn_offset = least;
+        while (at.spawn_offset < most && !dry(at.spawn_offset)) at.spawn_offset *= 2.0;
+        if (!(at.spawn_offset < most)) at.spawn_offset = least;
         return at;
     }
 
@@ -204,7 +203,6 @@ private:
         for (double offset = own; offset < most; offset *= 2.0) {
             bool all = true;
             for (const Body& b : bodies_) all = all && outside(b, offset);
-            all = all && !(water_ && water_->contains(at.position + at.geometric_normal * offset));
             if (all) return offset;
         }
         return own;
