@@ -6,6 +6,8 @@
 //   every box is padded by 4 units in the last place of the largest number that enters its slab test.
 // The callbacks then work on the caller's ray in double precision, not on Embree's copy.
 // One instance level and no motion are needed so far, so none is used.
+// For edits each tile has a tree of its own under one over all (Embree's scenes of low build quality): what an edit does not touch is not built
+// again.
 
 #include "renderer/geometry/tracer.h"
 #include "terrain/error.h"
@@ -109,33 +111,45 @@ Box3d mesh_bounds(const TriangleMesh& mesh)
 class EmbreeTracer final : public Tracer
 {
 public:
-    explicit EmbreeTracer(std::span<const Shape> shapes) : Tracer(shapes)
+    EmbreeTracer(std::span<const Shape> shapes, const TracerOptions& options) : Tracer(shapes), options_(options)
     {
-        find_bounds();
         device_ = rtcNewDevice(embree_isa_option(selected_isa()));
         if (!device_) throw Error(ErrorKind::internal, "Embree gives no device");
-        scene_ = rtcNewScene(device_);
-        rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);  // for triangles; it changes nothing for user geometry
-        try {
-            count_parts();
-            for (std::size_t i = 0; i < shapes_.size(); ++i) {
-                if (const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shapes_[i])) {
-                    add_surface(**surface, static_cast<std::uint32_t>(i));
-                } else {
-                    add_mesh(std::get<TriangleMesh>(shapes_[i]), static_cast<std::uint32_t>(i));
-                }
-            }
-            check(device_);
-            rtcJoinCommitScene(scene_);
-            check(device_);
-        } catch (...) {
-            release();
-            throw;
-        }
+        build();
     }
     ~EmbreeTracer() override { release(); }
     EmbreeTracer(const EmbreeTracer&) = delete;
     EmbreeTracer& operator=(const EmbreeTracer&) = delete;
+
+    void update(std::uint32_t object, std::span<const std::uint32_t> tiles) override
+    {
+        if (!options_.editable) throw Error(ErrorKind::internal, "this tracer was not made for edits");
+        const Surface& surface = *std::get<std::unique_ptr<Surface>>(shapes_[object]);
+        bool fits = true;
+        // The slack that find_bounds added stays free, but for rounding.
+        const Vec3d inside = half_extent_ - Vec3d(3.5 * padding_);
+        const Box3d inner(world_origin_ - inside, world_origin_ + inside);
+        for (const std::uint32_t tile : tiles) {
+            for (std::uint32_t i = 0; fits && i < surface.patch_count(tile); ++i) {
+                const Box3d box = surface.patch_bounds({tile, i});
+                fits = inner.intersects(box.min) && inner.intersects(box.max);
+            }
+        }
+        if (!fits) {
+            // Another origin or padding moves every box.
+            rtcReleaseScene(scene_);
+            scene_ = nullptr;
+            return build();
+        }
+        for (const std::uint32_t tile : tiles) {
+            const RTCGeometry geometry = rtcGetGeometry(scene_, first_part_[object] + tile);
+            rtcSetGeometryUserPrimitiveCount(geometry, surface.patch_count(tile));
+            rtcCommitGeometry(geometry);
+        }
+        check(device_);
+        rtcJoinCommitScene(scene_);
+        check(device_);
+    }
 
 protected:
     TraceHit find_nearest(const Ray& ray) const override
@@ -176,6 +190,35 @@ protected:
     double triangle_error() const override { return padding_; }
 
 private:
+    void build()
+    {
+        find_bounds();
+        scene_ = rtcNewScene(device_);
+        rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);  // for triangles; it changes nothing for user geometry
+        if (options_.editable) {
+            // Embree's name for a tree over trees: each geometry keeps its own, of the quality that it has anyway.
+            rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC);
+            rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_LOW);
+        }
+        try {
+            count_parts();
+            for (std::size_t i = 0; i < shapes_.size(); ++i) {
+                first_part_.push_back(static_cast<std::uint32_t>(parts_.size()));
+                if (const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shapes_[i])) {
+                    add_surface(**surface, static_cast<std::uint32_t>(i));
+                } else {
+                    add_mesh(std::get<TriangleMesh>(shapes_[i]), static_cast<std::uint32_t>(i));
+                }
+            }
+            check(device_);
+            rtcJoinCommitScene(scene_);
+            check(device_);
+        } catch (...) {
+            release();
+            throw;
+        }
+    }
+
     /// Embree's copy of the ray. False if the ray misses the scene's box altogether.
     bool prepare(const Ray& ray, Query& query, RTCRay& out) const
     {
@@ -212,7 +255,7 @@ private:
 
     void find_bounds()
     {
-        Box3d box;
+        Box3d box = options_.room;
         for (const Shape& shape : shapes_) {
             if (const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shape)) {
                 for (std::uint32_t tile = 0; tile < (*surface)->tile_count(); ++tile)
@@ -236,6 +279,8 @@ private:
             const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shape);
             count += surface ? (*surface)->tile_count() : 1;
         }
+        parts_.clear();
+        first_part_.clear();
         parts_.reserve(count);  // Embree keeps pointers into it
     }
 
@@ -249,7 +294,7 @@ private:
     void add_surface(const Surface& surface, std::uint32_t object)
     {
         for (std::uint32_t tile = 0; tile < surface.tile_count(); ++tile) {
-            if (surface.patch_count(tile) == 0) continue;
+            if (surface.patch_count(tile) == 0 && !options_.editable) continue;
             parts_.push_back({&surface, object, tile, world_origin_, padding_});
             const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_USER);
             rtcSetGeometryUserPrimitiveCount(geometry, surface.patch_count(tile));
@@ -287,7 +332,9 @@ private:
 
     RTCDevice device_ = nullptr;
     RTCScene scene_ = nullptr;
-    std::vector<Part> parts_;
+    TracerOptions options_;
+    std::vector<Part> parts_;                ///< by Embree's geometry number
+    std::vector<std::uint32_t> first_part_;  ///< of each object
     Vec3d world_origin_{0.0};
     Vec3d half_extent_{-1.0};  ///< of the scene around world_origin_; negative: an empty scene, which every ray misses
     double padding_ = 0.0;
@@ -295,9 +342,9 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Tracer> make_embree_tracer(std::span<const Shape> shapes)
+std::unique_ptr<Tracer> make_embree_tracer(std::span<const Shape> shapes, const TracerOptions& options)
 {
-    return std::make_unique<EmbreeTracer>(shapes);
+    return std::make_unique<EmbreeTracer>(shapes, options);
 }
 
 }  // namespace hoodoo

@@ -21,7 +21,7 @@ struct TraceHit {
     bool valid = false;             ///< whether anything was hit
 };
 
-/// Immutable after construction, thread-safe. Keeps references to the shapes: they must outlive it.
+/// Immutable but for update(), thread-safe. Keeps references to the shapes: they must outlive it.
 /// Every ray passes one gate: a ray that is not finite or has a coordinate beyond 1e18, whose direction is not of unit length within 1e-3, whose
 /// interval is negative or empty, or whose time is outside [0, 1] is counted and answered as a miss. It never reaches Embree, whose assertions would
 /// end the process.
@@ -32,6 +32,11 @@ public:
     TraceHit intersect(const Ray& ray) const;
     bool occluded(const Ray& ray) const;
     Interaction interact(const Ray& ray, const TraceHit& hit) const;
+
+    /// Follows a Surface that was rebuilt in place: `tiles` are those whose patches changed. Costs what they hold and a little for every other tile.
+    /// Not while other threads trace. Throws Error (memory); Error (internal) if the tracer was not made editable.
+    virtual void update(std::uint32_t object, std::span<const std::uint32_t> tiles) = 0;
+
     std::uint64_t refused_rays() const { return refused_.load(std::memory_order_relaxed); }
 
 protected:
@@ -47,8 +52,14 @@ private:
     mutable std::atomic<std::uint64_t> refused_{0};
 };
 
-/// Builds Embree's BVH with at most `threads` threads of the current arena. Throws Error (memory) if Embree runs out of it.
-std::unique_ptr<Tracer> make_embree_tracer(std::span<const Shape> shapes);
+/// What a tracer is made ready for.
+struct TracerOptions {
+    bool editable = false;  ///< a tree for each tile, under one over all: update() is quick, rays are a little slower
+    Box3d room;             ///< space that edits may fill beside what the shapes fill; leaving it makes update() build everything anew
+};
+
+/// Builds Embree's BVH in the current arena. Throws Error (memory) if Embree runs out of it.
+std::unique_ptr<Tracer> make_embree_tracer(std::span<const Shape> shapes, const TracerOptions& options = {});
 
 /// A loop over every patch and triangle in double precision: the oracle.
 std::unique_ptr<Tracer> make_brute_force_tracer(std::span<const Shape> shapes);

@@ -12,6 +12,7 @@
 #include "terrain/march/cell_kernel.h"
 #include "terrain/march/cluster.h"
 #include "terrain/march/slab_root.h"
+#include "terrain/march/touched.h"
 #include "terrain/math/parallel.h"
 
 #include <algorithm>
@@ -41,9 +42,9 @@ public:
         tiles_x_ = (last_.x - first_.x + tile_cells - 1) / tile_cells;
         const int tiles_y = (last_.y - first_.y + tile_cells - 1) / tile_cells;
         tiles_.resize(static_cast<std::size_t>(tiles_x_) * static_cast<std::size_t>(tiles_y));
-        const double height = std::max(1.0, std::min(255.0, std::floor(4.0 * lattice_.cell / lattice_.unit)));
+        limits_.height = std::max(1.0, std::min(255.0, std::floor(4.0 * lattice_.cell / lattice_.unit)));
         std::vector<ClusterList> lists(tiles_.size());
-        parallel_items(tiles_.size(), [&](std::size_t i) { lists[i] = build_tile(static_cast<int>(i), {16, height}); });
+        parallel_items(tiles_.size(), [&](std::size_t i) { lists[i] = build_tile(static_cast<int>(i)); });
         memory_ = ClusterMemory(lists, tiles_);
         inverse_cell_ = 1.0 / lattice_.cell, inverse_unit_ = 1.0 / lattice_.unit;
         // Of F: above what single precision loses inside a cluster.
@@ -84,12 +85,45 @@ public:
 
     double value_error() const override { return lattice_.delta / lattice_.value_scale + (lattice_.whole ? 1e-9 : 2e-7); }
 
-    std::uint64_t memory_bytes() const override { return memory_.bytes() + tiles_.size() * sizeof(CellTile); }
+    std::uint64_t memory_bytes() const override
+    {
+        std::uint64_t bytes = memory_.bytes() + tiles_.size() * sizeof(CellTile);
+        for (const ClusterMemory& own : own_) bytes += own.bytes();
+        return bytes;
+    }
+
+    std::vector<std::uint32_t> rebuild(const ColumnSet& changed) override
+    {
+        const int tiles_y = static_cast<int>(tiles_.size()) / tiles_x_;
+        std::vector<std::uint32_t> touched = touched_tiles(
+            changed, Vec2i(tiles_x_, tiles_y), [&](int i) { return tiles_reading(i, first_.x, changed.size().x); },
+            [&](int j) { return tiles_reading(j, first_.y, changed.size().y); });
+        std::vector<ClusterList> lists(touched.size());
+        tbb::parallel_for(std::size_t{0}, touched.size(), [&](std::size_t k) { lists[k] = build_tile(static_cast<int>(touched[k])); });
+        own_.resize(tiles_.size());
+        for (std::size_t k = 0; k < touched.size(); ++k) {
+            CellTile& tile = tiles_[touched[k]];
+            tile.compact = {}, tile.wide = {}, tile.cones = {};
+            own_[touched[k]] = ClusterMemory({&lists[k], 1}, {&tile, 1});
+        }
+        return touched;
+    }
 
 private:
     static constexpr int tile_cells = MaterialStack::tile_size;
 
-    ClusterList build_tile(int index, const ChainLimits& limits)
+    /// First and last tile along one axis that has a vertex whose kernel reaches into column i. Edge columns go on outside the grid.
+    Vec2i tiles_reading(int i, int first, int columns) const
+    {
+        const double reach = 0.5 * lattice_.kernel + lattice_.shift;
+        // A vertex belongs to the cells on both its sides.
+        const double low = i == 0 ? -kInfinity : std::floor(i - reach),
+                     high = i + 1 == columns ? kInfinity : std::ceil(i + 1 + reach - 2.0 * lattice_.shift);
+        const auto tile = [&](double cell) { return static_cast<int>(std::floor(std::clamp((cell - first) / tile_cells, -1.0, 1e6))); };
+        return {tile(low), tile(high)};
+    }
+
+    ClusterList build_tile(int index)
     {
         const int a0 = first_.x + index % tiles_x_ * tile_cells, b0 = first_.y + index / tiles_x_ * tile_cells;
         tiles_[static_cast<std::size_t>(index)].a0 = a0, tiles_[static_cast<std::size_t>(index)].b0 = b0;
@@ -101,7 +135,7 @@ private:
             std::vector<Profile> far = rows.row(b + 1);
             for (int a = a0; a < a1; ++a) {
                 const auto i = static_cast<std::size_t>(a - a0);
-                cell_chains(lattice_, a, b, {&near[i], &near[i + 1], &far[i], &far[i + 1]}, limits, chains);
+                cell_chains(lattice_, a, b, {&near[i], &near[i + 1], &far[i], &far[i + 1]}, limits_, chains);
             }
             near = std::move(far);
         }
@@ -183,7 +217,9 @@ private:
     Vec2i first_, last_;           ///< lattice cells, half-open
     int tiles_x_ = 0;
     std::vector<CellTile> tiles_;
-    ClusterMemory memory_;
+    ClusterMemory memory_;            ///< of all tiles as first built
+    std::vector<ClusterMemory> own_;  ///< of tiles built anew, each its own; empty before the first
+    ChainLimits limits_;
     double inverse_cell_ = 1.0, inverse_unit_ = 1.0;
     float tolerance_ = 0.0f;
 };

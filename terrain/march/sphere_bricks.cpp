@@ -15,6 +15,7 @@
 
 #include "terrain/march/bricks.h"
 #include "terrain/march/column_tile.h"
+#include "terrain/march/touched.h"
 #include "terrain/math/parallel.h"
 
 #include <algorithm>
@@ -135,8 +136,26 @@ public:
         return bytes;
     }
 
+    std::vector<std::uint32_t> rebuild(const ColumnSet& changed) override
+    {
+        std::vector<std::uint32_t> touched = touched_tiles(
+            changed, Vec2i(tiles_x_, tiles_y_), [&](int i) { return tiles_reading(i, changed.size().x, tiles_x_); },
+            [&](int j) { return tiles_reading(j, changed.size().y, tiles_y_); });
+        tbb::parallel_for(std::size_t{0}, touched.size(), [&](std::size_t k) { build_tile(static_cast<int>(touched[k])); });
+        return touched;
+    }
+
 private:
     static constexpr int tile_cells = MaterialStack::tile_size;
+
+    /// First and last tile along one axis that holds column i, which build_tile reads two columns and a kernel wide around a tile. Edge columns go on
+    /// outside the grid.
+    Vec2i tiles_reading(int i, int columns, int tiles) const
+    {
+        const int reach = static_cast<int>(std::ceil(frame_.reach)) + 3;
+        const auto tile = [](int column) { return (column + tile_cells) / tile_cells - 1; };  // floors; columns are above -tile_cells after clamping
+        return {i == 0 ? 0 : tile(std::max(i - reach, -tile_cells)), i + 1 == columns ? tiles - 1 : tile(i + reach)};
+    }
 
     /// Of a point that is computed in world space and brought into the frame, metres: a few units in the last place of the farthest corner.
     double coordinate_error() const

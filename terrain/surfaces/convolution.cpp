@@ -7,6 +7,8 @@
 // weights belong to the renderer. Surfaces exist over the grid's rectangle only: with `extend` the edge columns go on for the field's sake (no wall
 // at the edge), but rays beyond it meet nothing. Water is a body without a field, flat on top (march/water_patches.h), after all others.
 // Missing: rocks as instances.
+#include "terrain/surfaces/convolution.h"
+
 #include "terrain/error.h"
 #include "terrain/march/exact_cells.h"
 #include "terrain/march/sphere_bricks.h"
@@ -29,11 +31,11 @@ using IntersectorFactory = std::unique_ptr<PatchIntersector> (*)(const Convoluti
 struct Body {
     MaterialSet set;
     std::unique_ptr<const ConvolutionField> field;
-    std::unique_ptr<const PatchIntersector> patches;
+    std::unique_ptr<PatchIntersector> patches;
     std::uint32_t first_tile;
 };
 
-class ConvolutionSurface final : public Surface
+class ConvolutionSurface final : public EditableSurface
 {
 public:
     ConvolutionSurface(std::shared_ptr<const MaterialStack> stack, double normal_width) : stack_(std::move(stack)), normal_width_(normal_width) {}
@@ -66,6 +68,31 @@ public:
             index_of_[m] = static_cast<std::uint8_t>(names_.size());
             if (used) names_.push_back(material_name(static_cast<Material>(m)));
         }
+    }
+
+    std::vector<std::uint32_t> rebuild(const ColumnSet& changed) override
+    {
+        std::vector<std::uint32_t> tiles;
+        for (Body& body : bodies_) {
+            for (const std::uint32_t tile : body.patches->rebuild(changed)) tiles.push_back(body.first_tile + tile);
+        }
+        if (!water_) return tiles;
+        // Water levels reach far: its boxes are made anew, all of them.
+        const auto before = std::move(water_);
+        water_ = std::make_unique<WaterPatches>(*bodies_.front().field);
+        for (std::uint32_t tile = 0; tile < water_->tile_count(); ++tile) {
+            if (before->patch_count(tile) > 0 || water_->patch_count(tile) > 0) tiles.push_back(first_water_tile_ + tile);
+        }
+        return tiles;
+    }
+
+    Box3d room() const override
+    {
+        // A surface never leaves its block by a whole kernel, nor the heights that the stack can hold.
+        const double sigma = bodies_.front().field->sigma(), floor = bodies_.front().field->ground().floor();
+        const Vec3d size(stack_->size().x * stack_->cell(), stack_->size().y * stack_->cell(), MaterialStack::max_top * stack_->unit());
+        const double below = bodies_.front().field->ground().border() == Border::cut ? -floor * stack_->unit() : 0.0;
+        return Box3d(stack_->origin() - Vec3d(sigma, sigma, sigma + below), stack_->origin() + size + Vec3d(sigma));
     }
 
     void set_build_seconds(double seconds) { build_seconds_ = seconds; }
@@ -256,6 +283,11 @@ IntersectorFactory choose_intersector(const Values& values, const Ground& ground
     return make_sphere_bricks;
 }
 
+IntersectorFactory fastest(const Ground& ground, double sigma)
+{
+    return why_not_exact(ConvolutionField(ground, sigma)) ? make_sphere_bricks : make_exact_cells;
+}
+
 bool has_material(const MaterialStack& stack, Material material)
 {
     for (int j = 0; j < stack.size().y; ++j) {
@@ -298,6 +330,22 @@ Shape make_convolution(const Values& values, const BuildContext& context)
 }
 
 }  // namespace
+
+std::unique_ptr<EditableSurface> make_convolution_surface(std::shared_ptr<const MaterialStack> stack, const ConvolutionOptions& options)
+{
+    const double sigma = options.sigma > 0.0 ? options.sigma : stack->cell();
+    auto surface = std::make_unique<ConvolutionSurface>(stack, options.normal_width * stack->cell());
+    const auto base = static_cast<std::int32_t>(std::min(std::ceil(options.base / stack->unit()), 1e9));
+    const auto add = [&](MaterialSet set) {
+        const Ground ground(stack, set, options.border, base);
+        surface->add_body(ground, sigma, options.exact ? fastest(ground, sigma) : make_sphere_bricks);
+    };
+    add(options.materials);
+    const MaterialSet rock = material_set({Material::rock});
+    if (options.rocks && (options.materials & rock) == 0) add(rock);
+    if (options.water && (options.materials & material_set({Material::water})) == 0) surface->add_water();
+    return surface;
+}
 
 CatalogueEntry convolution_row()
 {

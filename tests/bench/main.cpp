@@ -1,5 +1,6 @@
 // `./run bench [NAME] [--small]`: benchmarks by name, all without one. Each writes out/bench/NAME.json.
 
+#include "tests/bench/edit.h"
 #include "tests/bench/path.h"
 #include "tests/bench/report.h"
 #include "tests/bench/trace.h"
@@ -10,7 +11,7 @@
 int main(int argc, char** argv)
 {
     using namespace hoodoo::bench;
-    const std::map<std::string, nlohmann::json (*)(bool)> benchmarks{{"path", path_benchmark}, {"trace", trace_benchmark}};
+    const std::map<std::string, nlohmann::json (*)(bool)> benchmarks{{"edit", edit_benchmark}, {"path", path_benchmark}, {"trace", trace_benchmark}};
     std::string name;
     bool full = true;
     for (int i = 1; i < argc; ++i) {
