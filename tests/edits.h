@@ -13,13 +13,7 @@ namespace hoodoo::testing
 /// Applies one [[edit]] table, written without its `tool`. Throws what the scene reader would.
 inline ColumnSet edit(MaterialStack& stack, const char* tool, const Node& entries, std::size_t number = 0, EditContext context = {})
 {
-    Node with_tool = entries;
-    std::get<Node::Table>(with_tool.value).emplace_back("tool", text(tool));
-    const Schema schema{"edits", "", {{.name = "edit", .type = ParameterType::tables, .discriminator = "tool", .items = edit_schemas()}}};
-    std::vector<Problem> problems;
-    const Values values = check(schema, table({{"edit", tables({with_tool})}}), problems);
-    if (!problems.empty()) throw Error(ErrorKind::scene, problems);
-    return apply_edit(stack, values.tables("edit")[0], 1, number, std::move(context));
+    return apply_edit(stack, std::string(tool), entries, 1, number, std::move(context));
 }
 
 template <class Work>

@@ -5,6 +5,7 @@
 #include "renderer/hosts/python_values.h"
 
 #include "terrain/catalogue.h"
+#include "terrain/edit/tools.h"
 #include "terrain/math/hash.h"
 #include "terrain/stack/convolution.h"
 
@@ -146,19 +147,50 @@ FieldHandle field_of_row(const std::string& type, const py::kwargs& parameters)
     return {std::move(shape), field};
 }
 
+py::array_t<std::int32_t> edit_stack(MaterialStack& stack, const std::string& tool, std::uint64_t seed, const py::kwargs& parameters)
+{
+    const Node node = node_from(parameters, tool);
+    const ColumnSet changed = [&] {
+        const py::gil_scoped_release free;
+        return apply_edit(stack, tool, node, seed, 0);
+    }();
+    py::array_t<std::int32_t> columns({static_cast<py::ssize_t>(changed.count()), py::ssize_t{2}});
+    std::int32_t* out = columns.mutable_data();
+    for (const std::uint32_t index : changed.indices()) {
+        const Vec2i at = changed.column(index);
+        *out++ = at.x;
+        *out++ = at.y;
+    }
+    return columns;
+}
+
+py::dict described(const Schema& schema)
+{
+    py::dict parameters;
+    for (const Parameter& p : schema.parameters) parameters[py::str(p.name)] = p.doc + (p.unit.empty() ? "" : " [" + p.unit + "]");
+    py::dict row;
+    row["name"] = schema.name;
+    row["doc"] = schema.doc;
+    row["parameters"] = parameters;
+    return row;
+}
+
 py::list catalogue_rows()
 {
     py::list rows;
     for (const CatalogueEntry& entry : catalogue()) {
-        py::dict parameters;
-        for (const Parameter& p : entry.schema.parameters) parameters[py::str(p.name)] = p.doc + (p.unit.empty() ? "" : " [" + p.unit + "]");
-        py::dict row;
+        py::dict row = described(entry.schema);
         row["name"] = entry.name;
-        row["doc"] = entry.schema.doc;
         row["paper"] = entry.paper;
-        row["parameters"] = parameters;
         rows.append(row);
     }
+    return rows;
+}
+
+py::list tool_rows()
+{
+    py::list rows;
+    for (const Schema& schema : edit_schemas()) rows.append(described(schema));
     return rows;
 }
 
@@ -194,6 +226,17 @@ void add_terrain(py::module_& module)
         .def_property_readonly(
             "origin", [](const MaterialStack& s) { return std::make_tuple(s.origin().x, s.origin().y, s.origin().z); }, "Lower corner, metres.")
         .def_property_readonly("layer_count", &MaterialStack::layer_count, "Layers of all columns, implicit base and air not counted.")
+        .def(
+            "edit", &edit_stack, py::arg("tool"), py::kw_only(), py::arg("seed") = 0,
+            "edit(tool, *, seed=0, **parameters) -> int32 (n, 2)\n\nApplies an edit tool in place, with the parameters an [[edit]] table takes (see "
+            "tools()), and brings loose material to rest unless "
+            "stabilise=False. Returns the columns (i, j) that may have changed, sorted by j, then i; all others keep their bits. Noise depends on "
+            "seed and on the parameter "
+            "`name`. Fields made from this stack follow it. Not while another thread uses them. Raises hoodoo.Error: an unknown tool or parameter, a "
+            "value that cannot be; "
+            "the stack is then as it was.")
+        .def(
+            "copy", [](const MaterialStack& s) { return std::make_shared<MaterialStack>(s); }, "A stack of its own with the same columns.")
         .def_property_readonly("memory_bytes", &MaterialStack::memory_bytes, "Bytes that the stack holds in memory.");
 
     module.def("ConvolutionField", &convolution_of, py::arg("stack"), py::arg("sigma"),
@@ -207,6 +250,10 @@ void add_terrain(py::module_& module)
                "field(type, **parameters) -> Field\n\nThe implicit function of a catalogue row, with the parameters a [terrain.NAME] table takes "
                "(see catalogue()). Raises hoodoo.Error: an unknown row or "
                "parameter, a row that has no field.");
+    module.def(
+        "tools", &tool_rows,
+        "tools() -> list of dict\n\nEvery edit tool: name, doc and parameters (name -> text, with the unit), as MaterialStack.edit and [[edit]] "
+        "tables take them.");
     module.def("catalogue", &catalogue_rows,
                "catalogue() -> list of dict\n\nEvery terrain representation: name, doc, paper and parameters (name -> text, with the unit).");
 }

@@ -6,7 +6,6 @@
 namespace hoodoo
 {
 
-EditTool carve_tool();
 EditTool sculpt_tool();
 EditTool sweep_tool();
 EditTool deposit_tool();

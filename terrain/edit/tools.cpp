@@ -17,7 +17,6 @@ std::span<const EditTool> edit_tools()
 {
     // clang-format off
     static const std::vector<EditTool> rows = {
-        carve_tool(),
         sculpt_tool(),
         sweep_tool(),
         deposit_tool(),
@@ -54,6 +53,23 @@ ColumnSet apply_edit(MaterialStack& stack, const Values& edit, std::uint64_t see
     ColumnSet changed = tool->apply(stack, edit, context);
     if (edit.boolean("stabilise") && !tool->settles) changed.add(stabilise(stack, changed, context.repose));
     return changed;
+}
+
+ColumnSet apply_edit(MaterialStack& stack, const std::string& tool, const Node& parameters, std::uint64_t seed, std::size_t number,
+                     EditContext context)
+{
+    // As a terrain's list of edits with one item, so that the same checks speak the same words.
+    static const Schema schema{"edits", "", {{.name = "edit", .type = ParameterType::tables, .discriminator = "tool", .items = edit_schemas()}}};
+    Node chosen = parameters, name, list, table;
+    name.where = name.key_where = list.where = list.key_where = table.where = parameters.where;
+    name.value = tool;
+    if (auto* entries = std::get_if<Node::Table>(&chosen.value)) entries->emplace_back("tool", std::move(name));
+    list.value = Node::Array{std::move(chosen)};
+    table.value = Node::Table{{"edit", std::move(list)}};
+    std::vector<Problem> problems;
+    const Values values = check(schema, table, problems);
+    if (!problems.empty()) throw Error(ErrorKind::scene, std::move(problems));
+    return apply_edit(stack, values.tables("edit")[0], seed, number, std::move(context));
 }
 
 }  // namespace hoodoo

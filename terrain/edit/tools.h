@@ -41,4 +41,9 @@ std::vector<Schema> edit_schemas();
 /// differ afterwards: all others keep their bits. If stabilising throws (an angle of `context.repose` out of range), the edit itself is done.
 ColumnSet apply_edit(MaterialStack& stack, const Values& edit, std::uint64_t seed, std::size_t number, EditContext context = {});
 
+/// The same for a table that nobody has checked yet: `parameters` are what an [[edit]] table holds beside its `tool`. Throws Error (scene) with all
+/// problems of the table at once.
+ColumnSet apply_edit(MaterialStack& stack, const std::string& tool, const Node& parameters, std::uint64_t seed, std::size_t number,
+                     EditContext context = {});
+
 }  // namespace hoodoo

@@ -377,7 +377,7 @@ cell = 1.0
 shape = "flat"
 top = 6.0
 [[terrain.hill.edit]]
-tool = "carve"
+tool = "sweep"
 points = [[8, -2, 3], [8, 20, 3]]
 radius = [1.5]
 """

@@ -114,6 +114,56 @@ def test_wrong_columns_are_errors(columns, text):
         hoodoo.MaterialStack(1.0, columns)
 
 
+def flat(n=24, top=10.0):
+    return hoodoo.MaterialStack(1.0, [[[("bedrock", top)] for _ in range(n)] for _ in range(n)], unit=0.01)
+
+
+def test_tools_edit_a_stack_one_after_another_and_say_what_they_changed():
+    stack = flat()
+    before = stack.copy()
+    field = hoodoo.ConvolutionField(stack, 1.0)
+    assert field.value([12.5, 12.5, 10.2]) > 0
+    raised = stack.edit("sculpt", target=[12.5, 12.5, 10.0], radius=4.0, strokes=2)
+    assert raised.dtype == np.int32 and raised.shape[1] == 2 and len(raised) > 20
+    assert field.value([12.5, 12.5, 10.2]) < 0  # the field follows its stack
+    carved = stack.edit("sweep", points=np.array([[4.0, 4.0, 9.0], [20.0, 6.0, 9.0]]), radius=[1.5])
+    touched = {tuple(c) for c in np.concatenate([raised, carved])}
+    differing = {(i, j) for i in range(24) for j in range(24) if stack.columns[i][j] != before.columns[i][j]}
+    assert differing and differing <= touched
+    assert touched == differing  # bedrock alone: nothing slides on
+
+
+def test_every_tool_is_listed_and_takes_what_it_lists():
+    tools = {tool["name"]: tool for tool in hoodoo.tools()}
+    assert {"sculpt", "sweep", "deposit", "erode", "fill", "stabilise"} <= set(tools)
+    assert "[m]" in tools["sculpt"]["parameters"]["radius"]
+    assert "stabilise" in tools["sweep"]["parameters"]
+
+
+@pytest.mark.parametrize("tool, parameters, text", [
+    ("sculp", {}, 'did you mean "sculpt"'),
+    ("sculpt", {"target": [1.0, 1.0, 1.0], "radius": -1.0}, "radius is out of range"),
+    ("sculpt", {"target": [1.0, 1.0, 1.0], "radios": 1.0}, 'unknown key "radios" in sculpt'),
+    ("sculpt", {"target": [100.0, 1.0, 1.0], "radius": 1.0}, "the tool lies outside the terrain"),
+    ("sweep", {"points": [[1, 1, 1], [9, 9, 1], [9, 1, 1], [1, 9, 1]], "radius": [0.5]}, "the skeleton crosses itself"),
+])
+def test_edits_that_cannot_be_are_errors_and_leave_the_stack_alone(tool, parameters, text):
+    stack = flat()
+    with pytest.raises(hoodoo.Error, match=text):
+        stack.edit(tool, **parameters)
+    assert stack.columns == flat().columns
+
+
+def test_noise_of_an_edit_depends_on_seed_and_name():
+    def edited(**more):
+        stack = flat()
+        stack.edit("sculpt", target=[12.0, 12.0, 10.0], radius=4.0, strokes=5, scatter=5.0, **more)
+        return stack.columns
+    assert edited() == edited()
+    assert edited() != edited(seed=1)
+    assert edited() != edited(name="knobs")
+
+
 def test_errors_are_value_errors_and_wrong_shapes_are_errors(stack):
     assert issubclass(hoodoo.Error, ValueError)
     with pytest.raises(hoodoo.Error, match="sigma"):

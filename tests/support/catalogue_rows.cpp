@@ -68,9 +68,9 @@ std::string carved_block(const Vec3d& shift, const std::string& more)
     return fmt::format(
         "columns = [14, 12]\ncell = 0.5\nunit = 0.015625\norigin = {}\n{}\n"
         "[[layer]]\nshape = \"flat\"\ntop = 4.0\n[[layer]]\nshape = \"flat\"\nthickness = 0.5\nmaterial = \"sand\"\n"
-        "[[edit]]\ntool = \"carve\"\npoints = [{}, {}]\nradius = [1.1]\n"
-        "[[edit]]\ntool = \"carve\"\npoints = [{}]\nradius = [1.6]\n"
-        "[[edit]]\ntool = \"carve\"\npoints = [{}, {}]\nradius = [0.9, 1.4]\n",
+        "[[edit]]\ntool = \"sweep\"\npoints = [{}, {}]\nradius = [1.1]\n"
+        "[[edit]]\ntool = \"sweep\"\npoints = [{}]\nradius = [1.6]\n"
+        "[[edit]]\ntool = \"sweep\"\npoints = [{}, {}]\nradius = [0.9, 1.4]\n",
         vector_text(shift), more, at(-1, 2.6, 2.2), at(8, 3.4, 2.4), at(5.5, 4.8, 4.6), at(1.6, -1, 4.4), at(2.2, 7, 4.8));
 }
 

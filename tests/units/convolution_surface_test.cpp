@@ -51,7 +51,7 @@ Node country(const std::string& intersector, const std::string& border = "extend
                                     table({{"shape", "drift"}, {"material", "sand"}, {"thickness", 0.8}}),
                                     table({{"shape", "flat"}, {"material", "rock"}, {"thickness", 0.0}})})},
          {"edit",
-          testing::tables({table({{"tool", "carve"}, {"points", testing::list({{10.0, 0.0, 14.0}, {30.0, 40.0, 15.0}})}, {"radius", {5.0}}})})}});
+          testing::tables({table({{"tool", "sweep"}, {"points", testing::list({{10.0, 0.0, 14.0}, {30.0, 40.0, 15.0}})}, {"radius", {5.0}}})})}});
 }
 
 TEST(ConvolutionSurface, interactions_lie_on_the_surface_and_their_spawn_points_in_air)

@@ -237,7 +237,7 @@ TEST_F(StackFile, takes_the_place_of_grid_and_layers_in_a_scene_and_edits_follow
         if (!problems.empty()) throw Error(ErrorKind::scene, problems);
         return make_stack(values, {});
     };
-    const Node edit = testing::table({{"tool", "carve"}, {"points", testing::list({{4.0, 4.0, 5.0}})}, {"radius", {2.0}}});
+    const Node edit = testing::table({{"tool", "sweep"}, {"points", testing::list({{4.0, 4.0, 5.0}})}, {"radius", {2.0}}});
     const Node layers = testing::tables({testing::table({{"shape", "flat"}, {"top", 5.0}})});
     const auto baked = make(testing::table({{"columns", {8.0, 8.0}}, {"cell", 1.0}, {"unit", 0.25}, {"layer", layers}}));
     write_stack_file(path("a.exr"), *baked);
