@@ -27,10 +27,12 @@ Profile2 closed_spline(std::span<const Vec2d> control, int corners)
 
 Profile2 ellipse(double width, double height, int corners)
 {
+    // A polygon of n corners on a circle has n/2 sin(2 pi / n) of its r^2, not pi: widen it by the root of that.
+    const double angle = 2.0 * std::numbers::pi / corners, wider = 0.5 * std::sqrt(angle / std::sin(angle));
     Profile2 out;
     for (int k = 0; k < corners; ++k) {
-        const double turn = 2.0 * std::numbers::pi * k / corners;
-        out.emplace_back(0.5 * width * std::cos(turn), 0.5 * height * std::sin(turn));
+        const double turn = angle * k;
+        out.emplace_back(wider * width * std::cos(turn), wider * height * std::sin(turn));
     }
     return out;
 }

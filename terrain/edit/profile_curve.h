@@ -17,7 +17,7 @@ using Profile2 = std::vector<Vec2d>;
 /// control points: corners of a mean are means of corners.
 Profile2 closed_spline(std::span<const Vec2d> control, int corners);
 
-/// An ellipse around the skeleton, half as wide as `width` to each side; corners on the ellipse.
+/// An ellipse around the skeleton, half as wide as `width` to each side, as a polygon of its area.
 Profile2 ellipse(double width, double height, int corners);
 
 /// Mean distance of the corners from the skeleton.
