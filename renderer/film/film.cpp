@@ -71,8 +71,7 @@ std::vector<std::string> channel_names(const FilmLayout& layout)
 }  // namespace
 
 PixelSums::PixelSums(const FilmLayout& layout)
-    : layout_(&layout),
-      batch_kind_(layout.replicates > 1             ? Batch::replicate
+    : batch_kind_(layout.replicates > 1             ? Batch::replicate
                   : layout.samples < 2 * block_size ? Batch::sample
                                                     : Batch::block),
       total_(materials + layout.materials.size(), 0.0),

@@ -47,7 +47,6 @@ private:
     friend class Film;
     enum class Batch { sample, block, replicate };  ///< whose means the variance is taken between
 
-    const FilmLayout* layout_;
     Batch batch_kind_;
     std::vector<double> total_, block_;        ///< one a summed channel
     std::array<double, 3> batch_{};            ///< radiance sum of the running batch

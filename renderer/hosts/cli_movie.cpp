@@ -31,7 +31,7 @@ class Program
 public:
     enum class End { input, output };
 
-    Program(const std::vector<std::string>& words, End end) : name_(words.front()), end_(end)
+    Program(const std::vector<std::string>& words, End end) : name_(words.front())
     {
         std::vector<char*> argv;
         for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
@@ -95,7 +95,6 @@ private:
     }
 
     std::string name_;
-    End end_;
     pid_t child_ = 0;
     int descriptor_ = -1;
 };
