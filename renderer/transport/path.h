@@ -12,7 +12,7 @@ namespace hoodoo
 
 struct PathSettings {
     int max_depth = 8;       ///< scattering events of a path; 0 = unlimited
-    int roulette_depth = 4;  ///< scattering events before Russian roulette may end a path
+    int roulette_depth = 2;  ///< scattering events before Russian roulette may end a path
     std::uint64_t seed = 0;
     std::uint32_t frame = 0;
 };
