@@ -39,8 +39,8 @@ public:
         for (int j = 0; j < n_.y; ++j) {
             for (int i = 0; i < n_.x; ++i) any = own_runs(i, j) || any;
         }
-        if (!any) return;
-        spread();
+        // Tiles are the same with and without water, so that water may come later.
+        if (any) spread();
         cut_into_boxes();
         for (const auto& runs : box_runs_) {
             w_.column_begins_.push_back(static_cast<std::uint32_t>(w_.runs_.size()));

@@ -181,6 +181,37 @@ TEST(Rebuild, that_forgets_a_tile_or_the_kernels_reach_is_found_out)
     EXPECT_EQ(found, tried);
 }
 
+TEST(Rebuild, of_water_that_comes_and_goes_is_the_full_rebuild_too)
+{
+    const auto stack = country(12);
+    ConvolutionOptions options;
+    options.water = true;
+    std::vector<Shape> shapes;
+    auto made = make_convolution_surface(stack, options);
+    EditableSurface& surface = *made;
+    shapes.emplace_back(std::move(made));
+    const auto tracer = make_embree_tracer(shapes, {.editable = true, .room = surface.room()});
+    int hits = 0;
+    for (const Material material : {Material::water, Material::air}) {
+        std::vector<std::uint32_t> changed;
+        for (int j = 20; j < 50; ++j) {
+            for (int i = 30; i < 60; ++i) {
+                std::vector<Layer> column = stack->column(i, j);
+                if (column.back().material == Material::water) column.pop_back();
+                if (column.back().top < 640 && material == Material::water) column.push_back({Material::water, 640});
+                stack->set_column(i, j, column);
+                changed.push_back(ColumnSet(stack->size()).index(i, j));
+            }
+        }
+        tracer->update(0, surface.rebuild(ColumnSet(stack->size(), changed)));
+        std::vector<Shape> fresh;
+        fresh.emplace_back(make_convolution_surface(stack, options));
+        EXPECT_EQ(difference(surface, *std::get<std::unique_ptr<Surface>>(fresh[0]), 5, 2), "");
+        EXPECT_EQ(difference(*tracer, *make_embree_tracer(fresh), surface.room(), 0.0, 5, 2000, hits), "");
+    }
+    EXPECT_GT(hits, 500);
+}
+
 TEST(Rebuild, costs_what_it_touches)
 {
     const auto stack = country(9);
