@@ -7,6 +7,7 @@
 #include "tests/counts.h"
 #include "tests/edits.h"
 #include "tests/stacks.h"
+#include "tests/support/edit_laws.h"
 
 #include <gtest/gtest.h>
 
@@ -18,6 +19,7 @@ namespace
 {
 
 using enum Material;
+using testing::at_rest;
 using testing::even_stack;
 using testing::everywhere;
 using testing::masses;
@@ -220,66 +222,6 @@ TEST(Stabilise, a_sand_slope_of_fifty_degrees_moves_and_one_of_thirty_two_does_n
         const ColumnSet changed = stabilise(stack, everywhere(stack));
         EXPECT_EQ(changed.empty(), angle < 33.0) << angle;
     }
-}
-
-/// The law of rest, written down from its words and not from the code: heights on a lattice, whole columns of letters, brute force. Of every material
-/// and every pocket, no opening to a neighbour's pocket with room has a head over d tan(alpha) + 1 unit.
-bool at_rest(const MaterialStack& stack, const Repose& repose, std::string* why = nullptr)
-{
-    struct Gap {
-        int floor, ceiling, content;
-        std::array<int, 4> tops;
-    };
-    const auto gaps_of = [&](int i, int j) {
-        std::vector<Gap> gaps = {{0, MaterialStack::max_top, 0, {}}};
-        int below = 0;
-        for (const Layer& layer : stack.column(i, j)) {
-            Gap& gap = gaps.back();
-            if (layer.material == bedrock) {
-                gap.ceiling = below;
-                if (gap.ceiling == gap.floor) gaps.pop_back();
-                gaps.push_back({layer.top, MaterialStack::max_top, 0, {layer.top, layer.top, layer.top, layer.top}});
-            } else if (layer.material != air) {
-                gap.content += layer.top - below;
-                const std::size_t kind = layer.material == sand ? 0 : layer.material == soil ? 1 : layer.material == rock ? 2 : 3;
-                for (std::size_t k = 0; k < 4; ++k) gap.tops[k] = k < kind ? gap.tops[k] : layer.top;
-            }
-            below = layer.top;
-        }
-        return gaps;
-    };
-    const std::array<double, 4> angles = {repose.sand, repose.soil, repose.rock, 0.0};
-    const Vec2i n = stack.size();
-    for (int j = 0; j < n.y; ++j) {
-        for (int i = 0; i < n.x; ++i) {
-            const auto here = gaps_of(i, j);
-            for (int dj = -1; dj <= 1; ++dj) {
-                for (int di = -1; di <= 1; ++di) {
-                    if ((di == 0 && dj == 0) || i + di < 0 || j + dj < 0 || i + di >= n.x || j + dj >= n.y) continue;
-                    for (const Gap& p : here) {
-                        for (const Gap& q : gaps_of(i + di, j + dj)) {
-                            for (std::size_t kind = 0; kind < 4; ++kind) {
-                                const int bottom = kind == 0 ? p.floor : p.tops[kind - 1];
-                                if (p.tops[kind] == bottom || q.ceiling - q.floor == q.content) continue;
-                                const int high = std::min(p.tops[kind], q.ceiling), low = std::max(q.tops[kind], p.floor);
-                                if (high <= low) continue;
-                                bool open = di == 0 || dj == 0;
-                                for (const Vec2i& beside : {Vec2i(i + di, j), Vec2i(i, j + dj)}) {
-                                    for (const Gap& g : gaps_of(beside.x, beside.y))
-                                        open = open || std::min(high, g.ceiling) > std::max(low, g.floor);
-                                }
-                                const double bears = std::hypot(di, dj) * stack.cell() * std::tan(angles[kind]) / stack.unit();
-                                if (!open || high - q.tops[kind] <= bears + 1.0) continue;
-                                if (why) *why = "column " + std::to_string(i) + ", " + std::to_string(j) + " kind " + std::to_string(kind);
-                                return false;
-                            }
-                        }
-                    }
-                }
-            }
-        }
-    }
-    return true;
 }
 
 TEST(Stabilise, random_stacks_come_to_rest_keep_their_mass_and_then_change_no_more)
