@@ -24,9 +24,9 @@ RowInstance tarn(const std::string& more)
                 return fmt::format(
                     "columns = [40, 40]\ncell = 0.5\nunit = 0.015625\norigin = {}\n{}\n"
                     "[[layer]]\nshape = \"flat\"\ntop = 5.0\n"
-                    "[[edit]]\ntool = \"carve\"\npoints = [{}, {}]\nradius = [3.6, 2.6]\n"
-                    "[[edit]]\ntool = \"carve\"\npoints = [{}]\nradius = [1.7]\n"
-                    "[[edit]]\ntool = \"carve\"\npoints = [{}, {}]\nradius = [0.8]\n"
+                    "[[edit]]\ntool = \"sweep\"\npoints = [{}, {}]\nradius = [3.6, 2.6]\n"
+                    "[[edit]]\ntool = \"sweep\"\npoints = [{}]\nradius = [1.7]\n"
+                    "[[edit]]\ntool = \"sweep\"\npoints = [{}, {}]\nradius = [0.8]\n"
                     "[[edit]]\ntool = \"deposit\"\nmaterial = \"rock\"\npoints = [{}]\nradius = [1.2]\namount = 2.5\n"
                     "[[edit]]\ntool = \"fill\"\nseed = {}\nlevel = {}\n",
                     at(0, 0, 0), more, at(6, 9, 4.4), at(12, 11, 4.2), at(17, 4, 4.6), at(9, 13, 2.4), at(9, 18, 2.4), at(7, 8, 5), at(9, 10, 4.5),

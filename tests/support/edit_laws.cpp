@@ -102,7 +102,7 @@ std::pair<const char*, Node> random_edit(std::uint64_t seed, const MaterialStack
                                     {"strategy", "surface"},
                                     {"depth", 0.5 * u() + 0.01}})};
         case 4:
-            return {"carve", table({{"points", list({point(), point()})}, {"radius", {radius()}}})};
+            return {"sweep", table({{"points", list({point(), point()})}, {"radius", {radius()}}})};
         case 5:
             return {"sculpt", table({{"target", point()}, {"radius", radius() + stack.cell()}})};
         case 6:
