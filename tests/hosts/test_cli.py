@@ -407,7 +407,7 @@ def test_bake_names_what_it_cannot_bake(tmp_path, scene):
 # -- Meshes ---------------------------------------------------------------------------------------------------------------
 
 def test_mesh_writes_a_terrain_that_another_scene_reads(tmp_path):
-    (tmp_path / "a.toml").write_text(LAYERED + '[[terrain.hill.edit]]\ntool = "carve"\npoints = [[16, 8, 12]]\nradius = [4.0]\n')
+    (tmp_path / "a.toml").write_text(LAYERED + '[[terrain.hill.edit]]\ntool = "sweep"\npoints = [[16, 8, 12]]\nradius = [4.0]\n')
     result = hoodoo("mesh", tmp_path / "a.toml", "-o", tmp_path / "a.ply", "-q")
     assert result.returncode == 0, result.stderr
     report = json.loads(result.stdout)
