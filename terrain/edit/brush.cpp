@@ -1,8 +1,11 @@
 // Along an axis f is linear between knots and the potential of a point is a quartic, so each piece of f~ is a quartic whose extremes are roots of a
-// cubic. Peytavie2009, section 4.1: f~ = f + f* (in the paper's sign), g(r) = (1 - (r/R)^2)^2, roots of f~ along the axis of each column. With u = z
-// - z_c, k = 1 - rho^2/R^2 (rho the axis's distance) and the piece f = f_0 + B u:
+// cubic.
+//
+// Peytavie2009, section 4.1: f~ = f + f* (in the paper's sign), g(r) = (1 - (r/R)^2)^2, roots of f~ along the axis of each column. With u = z - z_c,
+// rho the axis's distance, k = 1 - rho^2/R^2 and the piece f = f_0 + B u:
 //   f~(u) = f_0 + B u -+ (k - u^2/R^2)^2,   f~'(u) = B +- (4/R^2) u (k - u^2/R^2)   -> u^3 - k R^2 u -+ B R^4/4 = 0, solved in closed form.
 // Between neighbouring extremes f~ is monotone: a change of sign there is one root, halved down to neighbouring numbers.
+//
 // Missing: nothing of the point primitive; other skeletal elements are not offered.
 #include "terrain/edit/brush.h"
 

@@ -1,8 +1,10 @@
 // A tunnel is what a cross section leaves behind; a ravine is a tunnel laid onto the ground.
 //
-// Peytavie2009, section 4.2: the tool's volume is taken out of the terrain as a Boolean difference (swept.h says how, and why the printed formula
-// needs a shift), the layers are updated along the axes of the columns; with mode = "add" it is put in instead, as a union: an arch is swept through
-// air. CHOICES: the difference is with all materials (`removes` names fewer); columns lose exactly what lies in the tool, not what the smoothed field
+// Peytavie2009, section 4.2: the tool's volume is taken out of the terrain as a Boolean difference (swept.cpp says how, and why the printed formula
+// needs a shift); the layers are updated along the axes of the columns. With mode = "add" it is put in instead, a union: an arch is swept through
+// air.
+//
+// CHOICES: the difference is with all materials (`removes` names fewer); columns lose exactly what lies in the tool, not what the smoothed field
 // says, so that edges elsewhere keep their bits. A round tool needs no profile: `points` and `radius`. A skeleton that crosses itself without a node
 // there is an error, not a guess. Missing: sections that avoid what is there already.
 #include "terrain/edit/sweep.h"

@@ -1,11 +1,14 @@
 // The tool as rings of corners: sections interpolated along each arc, in frames that do not twist.
 //
 // Peytavie2009, section 4.2: (1) cracks are projected onto the surface, tunnels stay; (2) profiles are interpolated along the arcs and oriented by
-// the surface's normal and the skeleton's tangent. CHOICES: frames are carried from the first normal (skeleton.h), on request the normal is taken
-// anew at every step; an arc that begins where another has been takes over its normal. A projected skeleton is smoothed over about the tool's own
-// size, or every pebble would turn it. Ends are round: sections shrink as a half ball's do, which also fills the corner where arcs meet. Roughness: a
-// corner q away from the skeleton moves to q (1 + roughness n(p / wavelength)), n the noise sum over its bound, z stretched by `bedding`. Missing:
-// corners of the section that follow the surface's height left and right of the skeleton.
+// the surface's normal and the skeleton's tangent.
+//
+// CHOICES: frames are carried from the first normal (skeleton.h), on request the normal is taken anew at every step; an arc that begins where another
+// has been takes over its normal. A projected skeleton is smoothed over about the tool's own size, or every pebble would turn it. Ends are round:
+// sections shrink as a half ball's do, which also fills the corner where arcs meet.
+//
+// Roughness: a corner q away from the skeleton moves to q (1 + roughness n(p / wavelength)), n the noise sum over half its bound, z stretched by
+// `bedding`. Missing: corners of the section that follow the surface's height left and right of the skeleton.
 #include "terrain/edit/sweep.h"
 
 #include "terrain/edit/aim.h"

@@ -7,8 +7,9 @@
 //
 // Between rings the skin is ruled; each of its quadrilaterals is cut into two triangles, a difference of second order in the step. Winding numbers
 // make non-convex sections and prisms that turn inside out on the inner side of a bend right: inside is where the number is not 0, prism by prism.
-// Edges decide the side of an axis with the same bits for both their triangles; an axis exactly on an edge counts as moved by nothing towards +x,
-// then +y: so the skin has no holes and no double points. Missing: nothing known.
+//
+// An edge decides the side of an axis with the same bits for both its triangles, and an axis exactly on an edge counts as moved infinitely little
+// towards +x, then towards +y: so the skin has no holes and no double points. Missing: nothing known.
 #include "terrain/edit/swept.h"
 
 #include <algorithm>

@@ -272,5 +272,30 @@ TEST(Sculpt, says_what_cannot_be_and_leaves_the_stack_as_it_was)
     EXPECT_EQ(stack->column(3, 4), (Column{{Material::bedrock, 8100}}));
 }
 
+TEST(Sculpt, reports_a_problem_at_the_value_that_makes_it)
+{
+    const auto stack = flat(8, 1.0, 0.01, 8100);
+    const auto at = [](Node entries, int line, int column) {
+        for (auto& [key, node] : std::get<Node::Table>(entries.value)) {
+            if (key == "target" || key == "points") node.where = {"cave.toml", line, column, {}};
+        }
+        return entries;
+    };
+    EXPECT_EQ(error_of([&] {
+                  edit(*stack, "sculpt", at(table({{"target", {9.0, 4.0, 80.0}}, {"radius", 2.0}}), 12, 10));
+              }).substr(0, 50),
+              "cave.toml:12:10: the tool lies outside the terrain");
+    EXPECT_EQ(error_of([&] {
+                  edit(*stack, "sculpt", at(table({{"target", {4.5, 4.5, 81.0}}, {"radius", 2.0}, {"strokes", 7.0}}), 3, 1));
+              }).substr(0, 42),
+              "cave.toml:3:1: column (4, 4) would rise ov");
+    EXPECT_EQ(error_of([&] {
+                  edit(*stack, "sweep",
+                       at(table({{"points", testing::list({{1.0, 1.0, 5.0}, {7.0, 7.0, 5.0}, {7.0, 1.0, 5.0}, {1.0, 7.0, 5.0}})}, {"radius", {0.5}}}),
+                          4, 9));
+              }).substr(0, 42),
+              "cave.toml:4:9: the skeleton crosses itself");
+}
+
 }  // namespace
 }  // namespace hoodoo
