@@ -17,6 +17,7 @@ std::span<const CatalogueEntry> catalogue()
         plane_row(),
         mesh_row(),
         convolution_row(),
+        warped_row(),
     };
     return rows;
 }

@@ -4,6 +4,8 @@
 #include "terrain/math/interval.h"
 #include "terrain/math/vec.h"
 
+#include <array>
+
 namespace hoodoo
 {
 
@@ -27,6 +29,15 @@ public:
 
     /// Encloses all matter that can be hit; may be infinite.
     virtual Box3d bounds() const = 0;
+
+    /// Proved enclosures of the gradient's components over the box, one-sided gradients included. The default knows nothing.
+    virtual std::array<Interval, 3> gradient_range(const Box3d&) const
+    {
+        return {Interval{-kInfinity, kInfinity}, Interval{-kInfinity, kInfinity}, Interval{-kInfinity, kInfinity}};
+    }
+
+    /// A proved upper bound of |gradient(p) - gradient(q)| / |p - q| in the box; infinite where the gradient jumps or nothing is known.
+    virtual double curvature_bound(const Box3d&) const { return kInfinity; }
 };
 
 }  // namespace hoodoo

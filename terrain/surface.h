@@ -92,6 +92,15 @@ public:
     /// The full story of a hit that intersect() reported for this very ray.
     virtual Interaction interact(const Ray& ray, const Hit& hit) const = 0;
 
+    /// What is seen at a point of the surface without a ray to it: sets shading normal, uv, texture point and materials from `at.position` and
+    /// `at.geometric_normal`. How a surface that is carried elsewhere keeps its looks. By default the first material, everywhere.
+    virtual void dress(Interaction& at) const
+    {
+        at.shading_normal = at.geometric_normal;
+        at.texture_point = at.position;
+        at.materials.add(0, 1.0f);
+    }
+
     /// Whether the point lies in matter (closed, so that a point on the surface may answer either).
     virtual bool contains(const Vec3d& p) const = 0;
 

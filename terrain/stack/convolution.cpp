@@ -210,6 +210,13 @@ Interval ConvolutionField::range(const Box3d& box) const
     return {std::max(-1.0, found.lo - kRounding), std::min(1.0, found.hi + kRounding)};
 }
 
+std::array<Interval, 3> ConvolutionField::gradient_range(const Box3d& box) const
+{
+    const Local local = local_bounds(ground_, sigma_, box);
+    const auto widened = [&](const Interval& i) { return Interval{i.lo - kRounding / sigma_, i.hi + kRounding / sigma_}; };
+    return {widened(local.dx), widened(local.dy), widened(local.dz)};
+}
+
 Box3d ConvolutionField::bounds() const
 {
     const MaterialStack& stack = ground_.stack();

@@ -19,6 +19,7 @@ public:
     double slope_bound(const Segment& segment) const override;
     Interval range(const Box3d& box) const override;
     Box3d bounds() const override;
+    std::array<Interval, 3> gradient_range(const Box3d& box) const override;
 
     const Ground& ground() const { return ground_; }
     double sigma() const { return sigma_; }

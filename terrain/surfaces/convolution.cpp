@@ -150,6 +150,15 @@ public:
         return at;
     }
 
+    void dress(Interaction& at) const override
+    {
+        const Body& body = bodies_.front();
+        const Vec3d smooth = body.field->smoothed_gradient(at.position, normal_width_);
+        at.shading_normal = into_hemisphere(smooth.normalized(), at.geometric_normal);
+        at.texture_point = at.position;
+        add_materials(body, at);
+    }
+
     bool contains(const Vec3d& p) const override
     {
         for (const Body& body : bodies_) {

@@ -4,6 +4,7 @@
 // distance of the result from the plane is then at most 8 * 2^-53 * (|o - p| + t + |p|), the stated error.
 // Deviation: it ends at a circle of the radius `extent`, since what is traced has a box.
 #include "terrain/error.h"
+#include "terrain/field.h"
 #include "terrain/surfaces/rows.h"
 
 namespace hoodoo
@@ -14,11 +15,45 @@ namespace
 
 constexpr double kRounding = 8 * 0x1p-53;
 
+/// The height above the plane: the simplest field, and what a warp starts from.
+class PlaneField final : public Field
+{
+public:
+    PlaneField(const Vec3d& point, const Vec3d& normal) : point_(point), normal_(normal) {}
+    double value(const Vec3d& p) const override { return normal_.dot(p - point_); }
+    Vec3d gradient(const Vec3d&) const override { return normal_; }
+    double slope_bound(const Segment& segment) const override
+    {
+        const Vec3d along = segment.b - segment.a;
+        const double length = along.length();
+        return (length > 0.0 ? std::abs(normal_.dot(along)) / length : 1.0) + rounding(segment.b);
+    }
+    Interval range(const Box3d& box) const override
+    {
+        const Vec3d half = box.size() * 0.5;
+        const double centre = value(box.center()), reach = std::abs(normal_.x) * half.x + std::abs(normal_.y) * half.y + std::abs(normal_.z) * half.z;
+        return {centre - reach - rounding(box.max), centre + reach + rounding(box.max)};
+    }
+    Box3d bounds() const override { return Box3d(Vec3d(-kInfinity), Vec3d(kInfinity)); }
+    std::array<Interval, 3> gradient_range(const Box3d&) const override
+    {
+        return {Interval{normal_.x, normal_.x}, Interval{normal_.y, normal_.y}, Interval{normal_.z, normal_.z}};
+    }
+    double curvature_bound(const Box3d&) const override { return 0.0; }
+
+private:
+    double rounding(const Vec3d& p) const
+    {
+        return kRounding * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z) + std::abs(point_.x) + std::abs(point_.y) + std::abs(point_.z));
+    }
+    Vec3d point_, normal_;
+};
+
 class Plane final : public Surface
 {
 public:
     Plane(const Vec3d& point, const Vec3d& normal, double extent, std::string material)
-        : point_(point), normal_(normal.normalized()), extent_(extent), material_(std::move(material))
+        : point_(point), normal_(normal.normalized()), extent_(extent), material_(std::move(material)), field_(point_, normal_)
     {
         orthonormal_frame(normal_, u_, v_);
     }
@@ -55,16 +90,23 @@ public:
         at.position -= normal_ * normal_.dot(at.position - point_);
         at.position_error = kRounding * (size(ray.origin - point_) + hit.t + size(point_) + size(at.position));
         at.spawn_offset = 2 * at.position_error;
-        at.geometric_normal = at.shading_normal = normal_;
+        at.geometric_normal = normal_;
+        dress(at);
+        return at;
+    }
+
+    void dress(Interaction& at) const override
+    {
+        at.shading_normal = normal_;
         at.uv = Vec2d(u_.dot(at.position - point_), v_.dot(at.position - point_));
         at.texture_point = at.position;
         at.materials.add(0, 1.0f);
-        return at;
     }
 
     bool contains(const Vec3d& p) const override { return normal_.dot(p - point_) <= 0.0; }
     std::vector<std::string> materials() const override { return {material_}; }
     bool closed() const override { return false; }
+    const Field* field() const override { return &field_; }
 
     SurfaceInfo info() const override
     {
@@ -80,6 +122,7 @@ private:
     Vec3d point_, normal_, u_, v_;
     double extent_;
     std::string material_;
+    PlaneField field_;
 };
 
 Shape make_plane(const Values& values, const BuildContext&)

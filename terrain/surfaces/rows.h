@@ -9,5 +9,6 @@ namespace hoodoo
 CatalogueEntry plane_row();
 CatalogueEntry mesh_row();
 CatalogueEntry convolution_row();
+CatalogueEntry warped_row();
 
 }  // namespace hoodoo

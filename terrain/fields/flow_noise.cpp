@@ -1,0 +1,122 @@
+// Flows made of noise: along its gradient, and around its curl. No closed form: warp.cpp integrates them.
+// Gamito2001, section 4.1: v = grad n(x, y) moves the line n = 0 at right angles to itself. In cells of the length w the flow is w grad n(p / w) / w =
+// grad n at p / w, so |v| <= G, |Dv| <= H / w, |D2v| <= K / w^2 with the bounds of noise_hessian.h.
+// Curl: v = curl (w a) = sum_l grad n_l x e_l of three noises a at p / w. Its derivative along u is sum_l h_l x e_l with h_l = D2 n_l u, whose three
+// components are differences of components of the h_l, so that |Dv u|^2 <= 2 sum |h_l|^2 <= 6 H^2: the factor sqrt(6); likewise |v| and |D2v|. Octave k
+// has the amplitude gain^k and the frequency 2^k: it adds (2 gain)^k G, (4 gain)^k H / w, (8 gain)^k K / w^2.
+#include "terrain/fields/flow.h"
+#include "terrain/math/hash.h"
+#include "terrain/math/noise_hessian.h"
+
+#include <array>
+
+namespace hoodoo
+{
+
+namespace
+{
+
+class NoiseGradient final : public Flow
+{
+public:
+    NoiseGradient(const Vec3d& origin, double wavelength, std::uint32_t seed) : origin_(origin), wavelength_(wavelength), seed_(seed) {}
+    Vec3d velocity(const Vec3d& p, double) const override
+    {
+        const Noise2 n = gradient_noise(place(p), seed_);
+        return {n.gradient.x, n.gradient.y, 0.0};
+    }
+    Matrix3d gradient(const Vec3d& p, double) const override
+    {
+        const NoiseJet2 n = noise_jet(place(p), seed_);
+        return Matrix3d(n.xx, n.xy, 0.0, n.xy, n.yy, 0.0, 0.0, 0.0, 0.0) * (1.0 / wavelength_);
+    }
+    FlowBound bound(const Box3d&, const Interval&) const override
+    {
+        return {kNoise2Derivatives.slope, kNoise2Derivatives.hessian / wavelength_, kNoise2Derivatives.third / (wavelength_ * wavelength_), 0.0};
+    }
+
+private:
+    Vec2d place(const Vec3d& p) const { return {(p.x - origin_.x) / wavelength_, (p.y - origin_.y) / wavelength_}; }
+    Vec3d origin_;
+    double wavelength_;
+    std::uint32_t seed_;
+};
+
+class Curl final : public Flow
+{
+public:
+    Curl(const Vec3d& origin, double wavelength, int octaves, double gain, std::uint32_t seed)
+        : origin_(origin), wavelength_(wavelength), octaves_(octaves), gain_(gain)
+    {
+        for (std::uint32_t l = 0; l < 3; ++l) seeds_[l] = static_cast<std::uint32_t>(hash_cell(seed, l, 0));
+        for (int k = 0; k < octaves; ++k) {
+            bound_.speed += std::pow(2.0 * gain, k) * kNoise3Derivatives.slope * kRoot6;
+            bound_.gradient += std::pow(4.0 * gain, k) * kNoise3Derivatives.hessian * kRoot6 / wavelength;
+            bound_.hessian += std::pow(8.0 * gain, k) * kNoise3Derivatives.third * kRoot6 / (wavelength * wavelength);
+        }
+    }
+
+    Vec3d velocity(const Vec3d& p, double) const override
+    {
+        Vec3d v(0.0);
+        for_octaves(p, [&](const Vec3d& q, std::uint32_t k, double amplitude, double frequency) {
+            std::array<Vec3d, 3> g;
+            for (std::size_t l = 0; l < 3; ++l) g[l] = gradient_noise(q, seeds_[l] + k).gradient;
+            v += Vec3d(g[2].y - g[1].z, g[0].z - g[2].x, g[1].x - g[0].y) * (amplitude * frequency);
+        });
+        return v;
+    }
+
+    Matrix3d gradient(const Vec3d& p, double) const override
+    {
+        Matrix3d m = Matrix3d() * 0.0;
+        for_octaves(p, [&](const Vec3d& q, std::uint32_t k, double amplitude, double frequency) {
+            std::array<NoiseJet3, 3> n;
+            for (std::size_t l = 0; l < 3; ++l) n[l] = noise_jet(q, seeds_[l] + k);
+            const auto &a = n[0], &b = n[1], &c = n[2];
+            const Matrix3d d(c.xy - b.xz, c.yy - b.yz, c.yz - b.zz,  // of v.x = dc/dy - db/dz
+                             a.xz - c.xx, a.yz - c.xy, a.zz - c.xz,  // of v.y = da/dz - dc/dx
+                             b.xx - a.xy, b.xy - a.yy, b.xz - a.yz); // of v.z = db/dx - da/dy
+            m += d * (amplitude * frequency * frequency / wavelength_);
+        });
+        return m;
+    }
+
+    FlowBound bound(const Box3d&, const Interval&) const override { return bound_; }
+
+private:
+    static constexpr double kRoot6 = 2.4494898;
+
+    template <class F>
+    void for_octaves(const Vec3d& p, F&& octave) const
+    {
+        double amplitude = 1.0, frequency = 1.0;
+        const Vec3d q = (p - origin_) * (1.0 / wavelength_);
+        for (int k = 0; k < octaves_; ++k) {
+            octave(q * frequency + Vec3d(17.3, 31.7, 23.9) * k, static_cast<std::uint32_t>(k), amplitude, frequency);
+            amplitude *= gain_;
+            frequency *= 2.0;
+        }
+    }
+
+    Vec3d origin_;
+    double wavelength_;
+    int octaves_;
+    double gain_;
+    std::array<std::uint32_t, 3> seeds_{};
+    FlowBound bound_;
+};
+
+}  // namespace
+
+FlowPtr noise_gradient_flow(const Vec3d& origin, double wavelength, std::uint32_t seed)
+{
+    return std::make_shared<NoiseGradient>(origin, wavelength, seed);
+}
+
+FlowPtr curl_flow(const Vec3d& origin, double wavelength, int octaves, double gain, std::uint32_t seed)
+{
+    return std::make_shared<Curl>(origin, wavelength, octaves, gain, seed);
+}
+
+}  // namespace hoodoo

@@ -1,0 +1,51 @@
+// Any field carried along a flow: its zero set is the warped surface.
+#pragma once
+
+#include "terrain/field.h"
+#include "terrain/fields/warp.h"
+
+#include <memory>
+
+namespace hoodoo
+{
+
+/// What is known of a field over a box (and a span of durations).
+struct LocalField {
+    Interval value{-kInfinity, kInfinity};
+    std::array<Interval, 3> gradient;  ///< its components
+    double curvature = kInfinity;      ///< Lipschitz constant of the gradient
+
+    double slope() const;                          ///< the largest length of a gradient
+    double slope_along(const Vec3d& unit) const;   ///< the largest derivative along a direction, as a magnitude
+};
+
+/// F(p) = base(Phi^-1(p)): value, gradient and bounds of a base carried along a flow (Gamito2001). As a Field it has one duration; an animated warp
+/// asks with its own.
+class WarpedField final : public Field
+{
+public:
+    WarpedField(std::shared_ptr<const Field> base, Warp warp, double duration);
+
+    double value(const Vec3d& p) const override { return value(p, duration_); }
+    Vec3d gradient(const Vec3d& p) const override { return gradient(p, duration_); }
+    double slope_bound(const Segment& segment) const override;
+    Interval range(const Box3d& box) const override;
+    Box3d bounds() const override;
+    std::array<Interval, 3> gradient_range(const Box3d& box) const override { return local(box, {duration_, duration_}).gradient; }
+    double curvature_bound(const Box3d& box) const override { return local(box, {duration_, duration_}).curvature; }
+
+    double value(const Vec3d& p, double duration) const { return base_->value(warp_.inverse(p, duration)); }
+    Vec3d gradient(const Vec3d& p, double duration) const;
+    LocalField local(const Box3d& box, const Interval& durations) const;
+
+    const Field& base() const { return *base_; }
+    const Warp& warp() const { return warp_; }
+    double duration() const { return duration_; }
+
+private:
+    std::shared_ptr<const Field> base_;
+    Warp warp_;
+    double duration_;
+};
+
+}  // namespace hoodoo

@@ -1,0 +1,278 @@
+// Boxes that may hold the surface, by halving a domain as long as the field's proved range leaves zero in; in each box a certified march.
+// Gamito2001, section 3.1, with the paper's own remark made good: "interval arithmetic or Lipschitz bounds could possibly be used to increase the
+// robustness". Building: a box is dropped when the field's range over it has no zero; a box small enough, or so small that the field is nearly linear
+// in it (K r < |g| / 16), becomes a patch, shrunk to the hull of what is left of it after three more halvings. Each patch keeps bounds of slope and
+// curvature over itself; the march in it is that of first_crossing.h. Every box is widened a little, so that a crossing at the common side of two
+// boxes lies well inside one of them.
+// The domain is first cut into tiles, which are built in parallel; a patch's box is kept relative to its tile, rounded outwards.
+#include "terrain/march/field_patches.h"
+
+#include "terrain/error.h"
+#include "terrain/march/area_march.h"
+#include "terrain/march/first_crossing.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+
+namespace hoodoo
+{
+
+namespace
+{
+
+struct FieldPatch {
+    Vec3f lo, hi;  ///< relative to the tile's corner
+    float slope, curvature;
+};
+
+struct Tile {
+    Vec3d corner{0.0};
+    std::vector<FieldPatch> patches;
+};
+
+float above(double x)
+{
+    return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
+}
+float below(double x)
+{
+    return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity());
+}
+
+int longest_side(const Vec3d& size)
+{
+    return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+}
+
+std::pair<Box3d, Box3d> halves(const Box3d& box)
+{
+    const int k = longest_side(box.size());
+    Box3d low = box, high = box;
+    low.max[k] = high.min[k] = 0.5 * (box.min[k] + box.max[k]);
+    return {low, high};
+}
+
+class FieldPatches final : public PatchIntersector
+{
+public:
+    FieldPatches(const MarchedField& field, const PatchSettings& settings) : field_(field), settings_(settings)
+    {
+        const Vec3d &lo = settings.domain.min, &hi = settings.domain.max;
+        const double far = std::max({std::abs(lo.x), std::abs(lo.y), std::abs(lo.z), std::abs(hi.x), std::abs(hi.y), std::abs(hi.z)});
+        rounding_ = 0x1p-48 * far;
+        if (settings.mode == MarchMode::paper) {
+            tiles_.push_back({lo, {{Vec3f(0.0f), round_up(hi - lo), 0.0f, 0.0f}}});
+            return;
+        }
+        lay_tiles();
+        std::atomic<std::size_t> count{0};
+        tbb::parallel_for(std::size_t{0}, tiles_.size(), [&](std::size_t i) {
+            if (count < settings_.most_patches) divide(tile_boxes_[i], tiles_[i]);
+            count += tiles_[i].patches.size();
+        });
+        if (count > settings_.most_patches)
+            throw Error(ErrorKind::memory,
+                        fmt::format("the surface needs more than {} patches of {:.4g} m: ask for larger patches or a smaller region",
+                                    settings_.most_patches, settings_.size));
+    }
+
+    std::uint32_t tile_count() const override { return static_cast<std::uint32_t>(tiles_.size()); }
+    std::uint32_t patch_count(std::uint32_t tile) const override { return static_cast<std::uint32_t>(tiles_[tile].patches.size()); }
+
+    Box3d patch_bounds(PatchId id) const override
+    {
+        const Tile& tile = tiles_[id.tile];
+        const FieldPatch& p = tile.patches[id.index];
+        const Vec3d pad(rounding_);
+        return {tile.corner + Vec3d(p.lo) - pad, tile.corner + Vec3d(p.hi) + pad};
+    }
+
+    bool intersect(PatchId id, const Ray& ray, Hit& hit) const override
+    {
+        double a = ray.t_min, b = hit.t;
+        if (!clip(patch_bounds(id), ray, a, b)) return false;
+        double t = 0.0;
+        const FieldPatch& patch = tiles_[id.tile].patches[id.index];
+        const bool found = settings_.mode == MarchMode::paper ? paper(ray, a, b, t, hit.evaluations) : certified(patch, ray, a, b, t, hit.evaluations);
+        if (!found || !(t > ray.t_min && t < hit.t)) return false;
+        hit.t = t;
+        hit.patch = id;
+        return true;
+    }
+
+    bool occluded(PatchId id, const Ray& ray) const override
+    {
+        Hit hit;
+        hit.t = ray.t_max;
+        return intersect(id, ray, hit);
+    }
+
+    double value_error() const override { return settings_.flat; }
+
+    std::uint64_t memory_bytes() const override
+    {
+        std::uint64_t bytes = tiles_.size() * sizeof(Tile);
+        for (const Tile& tile : tiles_) bytes += tile.patches.capacity() * sizeof(FieldPatch);
+        return bytes;
+    }
+
+private:
+    static Vec3f round_up(const Vec3d& v) { return {above(v.x), above(v.y), above(v.z)}; }
+    static Vec3f round_down(const Vec3d& v) { return {below(v.x), below(v.y), below(v.z)}; }
+
+    /// About 32 patches along the side of a tile, and no side of the domain in more than 64 of them.
+    void lay_tiles()
+    {
+        const Vec3d lo = settings_.domain.min, size = settings_.domain.size();
+        const double side = std::max(32.0 * settings_.size, std::max({size.x, size.y, size.z}) / 64.0);
+        int n[3];
+        for (int k = 0; k < 3; ++k) n[k] = std::max(1, static_cast<int>(std::ceil(size[k] / side)));
+        for (int z = 0; z < n[2]; ++z) {
+            for (int y = 0; y < n[1]; ++y) {
+                for (int x = 0; x < n[0]; ++x) {
+                    const auto corner = [&](int i, int j, int k) {
+                        return lo + Vec3d(size.x * i / n[0], size.y * j / n[1], size.z * k / n[2]);
+                    };
+                    tile_boxes_.emplace_back(corner(x, y, z), corner(x + 1, y + 1, z + 1));
+                    tiles_.push_back({corner(x, y, z), {}});
+                }
+            }
+        }
+    }
+
+    bool may_hold(const Box3d& box, LocalField& known) const
+    {
+        if (!field_.may_exist(box)) return false;
+        known = field_.local(box);
+        return known.value.lo <= settings_.flat && known.value.hi >= -settings_.flat;
+    }
+
+    void divide(const Box3d& box, Tile& tile) const
+    {
+        LocalField known;
+        if (tile.patches.size() > settings_.most_patches || !may_hold(box, known)) return;
+        const Vec3d size = box.size();
+        const bool small = size[longest_side(size)] <= settings_.size;
+        double least = 0.0;
+        for (const Interval& g : known.gradient) least += g.contains(0.0) ? 0.0 : std::min(g.lo * g.lo, g.hi * g.hi);
+        const bool nearly_linear = known.curvature * 0.5 * size.length() * 16.0 < std::sqrt(least);
+        if (!small && !nearly_linear) {
+            const auto [low, high] = halves(box);
+            divide(low, tile);
+            divide(high, tile);
+            return;
+        }
+        Box3d hull;
+        shrink(box, 3, hull);
+        if (hull.isEmpty()) return;
+        // Wide enough that the coarse numbers of a patch do not let its bounds end before its box does.
+        const Vec3d pad(1e-6 * hull.size().length() + 8.0 * rounding_ + 0x1p-22 * (hull.max - tile.corner).length());
+        hull = Box3d(hull.min - pad, hull.max + pad);
+        known = field_.local(Box3d(hull.min - pad, hull.max + pad));
+        tile.patches.push_back(
+            {round_down(hull.min - tile.corner), round_up(hull.max - tile.corner), above(known.slope()), above(known.curvature)});
+    }
+
+    void shrink(const Box3d& box, int levels, Box3d& hull) const
+    {
+        LocalField known;
+        if (!may_hold(box, known)) return;
+        if (levels == 0) {
+            hull.extendBy(box);
+            return;
+        }
+        const auto [low, high] = halves(box);
+        shrink(low, levels - 1, hull);
+        shrink(high, levels - 1, hull);
+    }
+
+    static bool clip(const Box3d& box, const Ray& ray, double& a, double& b)
+    {
+        for (int k = 0; k < 3; ++k) {
+            const double d = ray.direction[k], o = ray.origin[k];
+            if (d == 0.0) {
+                if (o < box.min[k] || o > box.max[k]) return false;
+                continue;
+            }
+            const double inverse = 1.0 / d, t0 = (box.min[k] - o) * inverse, t1 = (box.max[k] - o) * inverse;
+            a = std::max(a, std::min(t0, t1));
+            b = std::min(b, std::max(t0, t1));
+        }
+        return a < b && b < kInfinity;
+    }
+
+    bool certified(const FieldPatch& patch, const Ray& ray, double a, double b, double& t, std::uint32_t& evaluations) const
+    {
+        const auto f = [&](double s) { return field_.value(ray.at(s), ray.time); };
+        const PieceBound bound{patch.slope, patch.curvature};
+        const double accuracy = std::max(settings_.accuracy, 4.0 * (rounding_ + 0x1p-52 * (std::abs(a) + std::abs(b))));
+        double fa = f(a);
+        const double fb = f(b);
+        evaluations += 2;
+        const bool entering = ray.crossing == Crossing::entering;
+        while (first_crossing(f, {a, fa, b, fb}, entering, bound, settings_.flat, accuracy, t, evaluations)) {
+            if (field_.exists(ray.at(t), ray.time)) return true;
+            a = t + accuracy;
+            if (!(a < b)) return false;
+            fa = f(a);
+            ++evaluations;
+        }
+        return false;
+    }
+
+    bool paper(const Ray& ray, double a, double b, double& t, std::uint32_t& evaluations) const
+    {
+        const auto place = [&](double s) { return field_.inverse(ray.at(s), ray.time); };
+        const auto base = [&](const Vec3d& q) { return field_.base_value(q); };
+        const AreaSettings area{settings_.epsilon, settings_.epsilon_distance, 20};
+        const bool entering = ray.crossing == Crossing::entering;
+        while (area_march(place, base, a, b, entering, area, t, evaluations)) {
+            if (field_.exists(ray.at(t), ray.time)) return true;
+            a = std::nextafter(t, kInfinity);
+            if (!(a < b)) return false;
+        }
+        return false;
+    }
+
+    const MarchedField& field_;
+    PatchSettings settings_;
+    double rounding_ = 0.0;
+    std::vector<Box3d> tile_boxes_;
+    std::vector<Tile> tiles_;
+};
+
+}  // namespace
+
+std::unique_ptr<PatchIntersector> make_field_patches(const MarchedField& field, const PatchSettings& settings)
+{
+    return std::make_unique<FieldPatches>(field, settings);
+}
+
+std::vector<double> all_crossings(const PatchIntersector& patches, Ray ray)
+{
+    std::vector<double> found;
+    ray.crossing = Crossing::any;
+    for (std::uint32_t tile = 0; tile < patches.tile_count(); ++tile) {
+        for (std::uint32_t i = 0; i < patches.patch_count(tile); ++i) {
+            Ray rest = ray;
+            Hit hit;
+            hit.t = ray.t_max;
+            while (patches.intersect({tile, i}, rest, hit)) {
+                found.push_back(hit.t);
+                rest.t_min = hit.t + 1e-6;
+                hit.t = ray.t_max;
+                if (!(rest.t_min < rest.t_max)) break;
+            }
+        }
+    }
+    std::sort(found.begin(), found.end());
+    // Neighbouring boxes overlap by a hair: what they both found is one crossing.
+    const auto last = std::unique(found.begin(), found.end(), [](double s, double t) { return t - s < 1e-6; });
+    found.erase(last, found.end());
+    return found;
+}
+
+}  // namespace hoodoo

@@ -1,0 +1,51 @@
+// Any field with bounds over boxes, cut into tight proved boxes and met by rays: certified, or with the paper's area test.
+#pragma once
+
+#include "terrain/fields/warped_field.h"
+#include "terrain/march/patches.h"
+
+#include <functional>
+#include <memory>
+
+namespace hoodoo
+{
+
+/// What is marched: one function for each shutter time in [0, 1]. Pure and thread-safe.
+class MarchedField
+{
+public:
+    virtual ~MarchedField() = default;
+    virtual double value(const Vec3d& p, double time) const = 0;
+    /// Proved, for all times.
+    virtual LocalField local(const Box3d& box) const = 0;
+    /// Where the surface exists: a crossing elsewhere is none.
+    virtual bool exists(const Vec3d& p, double time) const = 0;
+    /// False only if nothing exists anywhere in the box.
+    virtual bool may_exist(const Box3d& box) const = 0;
+
+    /// For the paper's mode: where the point came from, and the base there.
+    virtual Vec3d inverse(const Vec3d& p, double time) const = 0;
+    virtual double base_value(const Vec3d& q) const = 0;
+};
+
+enum class MarchMode { certified, paper };
+
+struct PatchSettings {
+    Box3d domain;        ///< finite
+    double size = 1.0;   ///< of a patch, about, metres
+    double flat = 1e-7;  ///< of the field: a graze this shallow may be met or not
+    double accuracy = 1e-7;  ///< metres: of a crossing along the ray
+    MarchMode mode = MarchMode::certified;
+    double epsilon = 1e-3;  ///< paper: largest area of a triangle, square metres, at the base's surface; grows with |base| / epsilon_distance
+    double epsilon_distance = 1.0;
+    std::uint32_t most_patches = 20'000'000;
+};
+
+/// Keeps a reference to the field. Throws Error (memory) when there would be more patches than allowed. In paper mode there is one patch, the domain,
+/// as in the paper: the area test decides alone.
+std::unique_ptr<PatchIntersector> make_field_patches(const MarchedField& field, const PatchSettings& settings);
+
+/// All crossings of a ray, by distance; every other one enters.
+std::vector<double> all_crossings(const PatchIntersector& patches, Ray ray);
+
+}  // namespace hoodoo

@@ -1,0 +1,262 @@
+// Any terrain that has a field, carried along a flow and met by rays where it went: overhangs from what had none (Gamito2001, sections 2 and 3).
+// F(p) = base(Psi(p)), Psi the inverse warp (fields/warp.h); patches with proved bounds (march/field_patches.h). The normal is J^T grad base, the exact
+// gradient of the discrete map: the paper's advected tangents give the same (its eq. 4 and 5; the signs of 6 cancel). Where that vanishes central
+// differences stand in. Materials, uv and texture point are the base's own at the undeformed point, so strata and image maps follow the flow (3.2).
+// Warps stack: the base may be `warped` itself. The intensity may change while the shutter is open: a ray carries its time, and the patches enclose all of
+// it. Deviations: the paper's search is the option mode = "paper"; its bases are planes and height fields, here anything with a field, in which the
+// surface ends where its base ends. Missing: level of detail (a base and flows have what detail they have); meshes as bases.
+#include "terrain/error.h"
+#include "terrain/field.h"
+#include "terrain/fields/warped_field.h"
+#include "terrain/march/field_patches.h"
+#include "terrain/surfaces/flow_tables.h"
+#include "terrain/surfaces/refine.h"
+#include "terrain/surfaces/rows.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace hoodoo
+{
+
+namespace
+{
+
+/// Union of a surface's patches.
+Box3d bounds_of(const Surface& surface)
+{
+    Box3d box;
+    for (std::uint32_t tile = 0; tile < surface.tile_count(); ++tile)
+        for (std::uint32_t i = 0; i < surface.patch_count(tile); ++i) box.extendBy(surface.patch_bounds({tile, i}));
+    return box;
+}
+
+class WarpedSurface final : public Surface, private MarchedField
+{
+public:
+    WarpedSurface(std::shared_ptr<const Surface> base, Warp warp, Interval intensity)
+        : base_(std::move(base)),
+          inner_(dynamic_cast<const WarpedSurface*>(base_.get())),
+          field_(std::shared_ptr<const Field>(base_, base_->field()), std::move(warp), intensity.lo),
+          open_(intensity.lo),
+          close_(intensity.hi),
+          ground_(bounds_of(*base_))
+    {
+    }
+
+    void make_patches(const PatchSettings& settings)
+    {
+        flat_ = settings.flat;
+        accuracy_ = settings.accuracy;
+        size_ = settings.size;
+        patches_ = make_field_patches(*this, settings);
+    }
+    void set_build_seconds(double seconds) { build_seconds_ = seconds; }
+
+    /// Where the warped surface can be.
+    Box3d domain() const
+    {
+        // Forwards a point goes as far as backwards: the speed is the same.
+        const double reach = field_.warp().reach(ground_);
+        return {ground_.min - Vec3d(reach), ground_.max + Vec3d(reach)};
+    }
+
+    std::uint32_t tile_count() const override { return patches_->tile_count(); }
+    std::uint32_t patch_count(std::uint32_t tile) const override { return patches_->patch_count(tile); }
+    Box3d patch_bounds(PatchId patch) const override { return patches_->patch_bounds(patch); }
+    bool intersect(PatchId patch, const Ray& ray, Hit& hit) const override { return patches_->intersect(patch, ray, hit); }
+    bool occluded(PatchId patch, const Ray& ray) const override { return patches_->occluded(patch, ray); }
+
+    Interaction interact(const Ray& ray, const Hit& hit) const override
+    {
+        Interaction at;
+        at.t = hit.t;
+        at.position = ray.at(hit.t);
+        const double size = std::abs(ray.origin.x) + std::abs(ray.origin.y) + std::abs(ray.origin.z) + hit.t;
+        at.position_error = accuracy_ + 16.0 * 0x1p-52 * size;
+        const double duration = duration_at(ray.time);
+        const Carried rest = field_.warp().inverse_with_jacobian(at.position, duration);
+        const Vec3d slope = field_.base().gradient(rest.point);
+        at.geometric_normal = apply_transposed(rest.jacobian, slope);
+        if (!(at.geometric_normal.length() > 1e-12)) at.geometric_normal = differences(at.position, duration);
+        at.geometric_normal.normalize();
+
+        Interaction below;
+        below.position = rest.point;
+        below.geometric_normal = slope.length() > 0.0 ? slope.normalized() : at.geometric_normal;
+        base_->dress(below);
+        const Vec3d smooth = apply_transposed(rest.jacobian, below.shading_normal);
+        at.shading_normal = smooth.length() > 0.0 ? into_hemisphere(smooth.normalized(), at.geometric_normal) : at.geometric_normal;
+        at.uv = below.uv;
+        at.texture_point = below.texture_point;
+        at.materials = below.materials;
+
+        // Doubled until the field says air for certain.
+        at.spawn_offset = 2.0 * at.position_error;
+        while (at.spawn_offset < size_ && !(field_.value(at.position + at.geometric_normal * at.spawn_offset, duration) > 2.0 * flat_))
+            at.spawn_offset *= 2.0;
+        return at;
+    }
+
+    void dress(Interaction& at) const override
+    {
+        const Carried rest = field_.warp().inverse_with_jacobian(at.position, open_);
+        Interaction below;
+        below.position = rest.point;
+        below.geometric_normal = field_.base().gradient(rest.point).normalized();
+        base_->dress(below);
+        const Vec3d smooth = apply_transposed(rest.jacobian, below.shading_normal);
+        at.shading_normal = smooth.length() > 0.0 ? into_hemisphere(smooth.normalized(), at.geometric_normal) : at.geometric_normal;
+        at.uv = below.uv;
+        at.texture_point = below.texture_point;
+        at.materials = below.materials;
+    }
+
+    bool contains(const Vec3d& p) const override { return field_.value(p) <= 0.0 && exists(p, 0.0); }
+    std::vector<std::string> materials() const override { return base_->materials(); }
+    bool closed() const override { return base_->closed(); }
+    const Field* field() const override { return &field_; }
+
+    SurfaceInfo info() const override
+    {
+        SurfaceInfo info = base_->info();
+        info.trace_bytes += patches_->memory_bytes();
+        info.patches = 0;
+        for (std::uint32_t t = 0; t < patches_->tile_count(); ++t) info.patches += patches_->patch_count(t);
+        info.build_seconds += build_seconds_;
+        return info;
+    }
+
+private:
+    double duration_at(double time) const { return open_ + (close_ - open_) * time; }
+
+    double value(const Vec3d& p, double time) const override { return field_.value(p, duration_at(time)); }
+    LocalField local(const Box3d& box) const override { return field_.local(box, {std::min(open_, close_), std::max(open_, close_)}); }
+    bool exists(const Vec3d& p, double time) const override
+    {
+        const Vec3d rest = inverse(p, time);
+        return ground_.intersects(rest) && (!inner_ || inner_->exists(rest, 0.0));
+    }
+    bool may_exist(const Box3d& box) const override
+    {
+        const double reach = field_.warp().reach(box);
+        if (ground_.intersects(box.min - Vec3d(reach)) && ground_.intersects(box.max + Vec3d(reach))) return true;
+        const InverseBound bound = field_.warp().inverse_bound(box, {std::min(open_, close_), std::max(open_, close_)});
+        return ground_.intersects(Box3d(bound.image - bound.half_image, bound.image + bound.half_image));
+    }
+    Vec3d inverse(const Vec3d& p, double time) const override { return field_.warp().inverse(p, duration_at(time)); }
+    double base_value(const Vec3d& q) const override { return field_.base().value(q); }
+
+    Vec3d differences(const Vec3d& p, double duration) const
+    {
+        const double h = 1e-4 * size_;
+        Vec3d g;
+        for (int k = 0; k < 3; ++k) {
+            Vec3d step(0.0);
+            step[k] = h;
+            g[k] = field_.value(p + step, duration) - field_.value(p - step, duration);
+        }
+        return g.length() > 0.0 ? g : Vec3d(0.0, 0.0, 1.0);
+    }
+
+    std::shared_ptr<const Surface> base_;
+    const WarpedSurface* inner_;
+    WarpedField field_;
+    double open_, close_;
+    Box3d ground_;
+    double flat_ = 0.0, accuracy_ = 0.0, size_ = 1.0;
+    std::unique_ptr<const PatchIntersector> patches_;
+    double build_seconds_ = 0.0;
+};
+
+std::shared_ptr<const Surface> base_of(const Values& values, const BuildContext& context)
+{
+    const std::string& name = values.text("base");
+    if (!context.base) throw values.problem("base", "there is no other terrain to warp", "the name of a terrain", "\"" + name + "\"");
+    std::shared_ptr<const Surface> base = context.base(name, values.where("base"));
+    if (!base->field()) throw values.problem("base", "this terrain cannot be warped: it has no field", "a terrain with one field", "\"" + name + "\"");
+    return base;
+}
+
+Shape make_warped(const Values& values, const BuildContext& context)
+{
+    const auto start = std::chrono::steady_clock::now();
+    const std::shared_ptr<const Surface> base = base_of(values, context);
+    const double open = values.number("intensity"), close = values.has("intensity_close") ? values.number("intensity_close") : open;
+    FlowPtr flow = make_flow(values.tables("flow"), context.seed);
+    const std::string why_not = Warp::why_not(*flow, std::max(open, close));
+    if (!why_not.empty()) throw values.problem(open >= close ? "intensity" : "intensity_close", why_not, "a weaker or wider flow");
+    auto surface = std::make_unique<WarpedSurface>(base, Warp(std::move(flow), std::max(open, close)), Interval{open, close});
+
+    PatchSettings settings;
+    settings.domain = surface->domain();
+    if (values.has("region_min")) settings.domain.min = values.vec3("region_min");
+    if (values.has("region_max")) settings.domain.max = values.vec3("region_max");
+    for (int k = 0; k < 3; ++k)
+        if (!(settings.domain.min[k] < settings.domain.max[k]))
+            throw values.problem(values.has("region_max") ? "region_max" : "base", "the region to trace is empty", "min below max");
+    const Vec3d size = settings.domain.size();
+    settings.size = values.has("patch") ? values.number("patch") : std::max({size.x, size.y, size.z}) / 160.0;
+    settings.mode = values.text("mode") == "paper" ? MarchMode::paper : MarchMode::certified;
+    settings.epsilon = values.number("epsilon");
+    settings.epsilon_distance = values.number("epsilon_distance");
+    if (context.progress) context.progress(0.3, "patches");
+    surface->make_patches(settings);
+    surface->set_build_seconds(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    return surface;
+}
+
+}  // namespace
+
+CatalogueEntry warped_row()
+{
+    Schema schema{"warped", "Any terrain with a field, carried along a flow: overhangs from what had none. Its base is not rendered itself.", {}};
+    schema.parameters = {
+        {.name = "base", .type = ParameterType::text, .doc = "Name of the terrain that is warped; a warped one too.", .required = true},
+        {.name = "flow",
+         .type = ParameterType::tables,
+         .doc = "Flows; they act together.",
+         .required = true,
+         .min_count = 1,
+         .max_count = 16,
+         .discriminator = "kind",
+         .items = flow_schemas()},
+        {.name = "intensity", .type = ParameterType::number, .doc = "For how long the flow carries the surface.", .fallback = 1.0, .minimum = 0},
+        {.name = "intensity_close",
+         .type = ParameterType::number,
+         .doc = "The intensity when the shutter closes: motion blur. By default it does not change.",
+         .minimum = 0},
+        {.name = "patch",
+         .type = ParameterType::length,
+         .doc = "Side of the boxes that rays are tested against; by default the longest side of the region by 160.",
+         .unit = "m",
+         .minimum = 0,
+         .above_minimum = true},
+        {.name = "region_min", .type = ParameterType::vector, .doc = "Lower corner of what is traced.", .unit = "m", .min_count = 3, .max_count = 3},
+        {.name = "region_max", .type = ParameterType::vector, .doc = "Upper corner of what is traced.", .unit = "m", .min_count = 3, .max_count = 3},
+        {.name = "mode",
+         .type = ParameterType::choice,
+         .doc = "certified: no crossing is missed; paper: the area test of Gamito and Musgrave, to compare.",
+         .fallback = std::string("certified"),
+         .choices = {"certified", "paper"}},
+        {.name = "epsilon",
+         .type = ParameterType::number,
+         .doc = "Paper mode: largest area of a triangle of the warped ray, at the base's surface.",
+         .fallback = 1e-3,
+         .unit = "m2",
+         .minimum = 0,
+         .above_minimum = true},
+        {.name = "epsilon_distance",
+         .type = ParameterType::length,
+         .doc = "Paper mode: at this distance from the base's surface (in its field's own measure) the area may be twice as large.",
+         .fallback = 1.0,
+         .unit = "m",
+         .minimum = 0,
+         .above_minimum = true},
+    };
+    return {"warped", "Gamito2001", std::move(schema), make_warped};
+}
+
+}  // namespace hoodoo
