@@ -28,6 +28,7 @@ struct DescribedNode {
     Values values;
     std::uint64_t seed = 0;  ///< hashed from the scene's seed and the name, or the node's own `seed`
     Source where;
+    std::optional<bool> visible = {};  ///< of a terrain: whether it is rendered itself; absent: unless another stands on it
 };
 
 struct Description {

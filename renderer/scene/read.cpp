@@ -80,6 +80,14 @@ std::optional<Node> take(Node& node, const std::string& key)
     return out;
 }
 
+std::optional<bool> take_visible(Node& node, std::vector<Problem>& problems)
+{
+    const auto taken = take(node, "visible");
+    if (!taken) return std::nullopt;
+    const Parameter visible{.name = "visible", .type = ParameterType::boolean, .doc = {}};
+    return ValueReader(visible, *taken, problems).boolean();
+}
+
 std::optional<std::uint64_t> take_seed(Node& node, std::vector<Problem>& problems)
 {
     const auto taken = take(node, "seed");
@@ -171,12 +179,13 @@ private:
                                  "letters, digits, _ and -, at most 64",
                                  {},
                                  {}});
-        DescribedNode described{name, {}, {}, hash_name(scene_.seed, name), node.where};
+        DescribedNode described{name, {}, {}, hash_name(scene_.seed, name), node.where, {}};
         const Schema* schema = choose(section, name, node, described.type);
         if (!schema) return;
         const auto own_seed = std::any_of(schema->parameters.begin(), schema->parameters.end(), [](const Parameter& p) { return p.name == "seed"; });
         if (!own_seed)
             if (const auto seed = take_seed(node, problems_)) described.seed = *seed;
+        if (section.name == "terrain") described.visible = take_visible(node, problems_);
         Schema titled = *schema;
         titled.name = section.name + "." + name;  // an error names the table, not its type
         described.values = check(titled, node, problems_);

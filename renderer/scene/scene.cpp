@@ -5,7 +5,7 @@
 
 #include "renderer/scene/scene.h"
 
-#include "renderer/scene/terrain.h"
+#include "renderer/scene/terrains.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,13 +18,9 @@ namespace
 SceneParts make_parts(const Description& description, const SceneOptions& options)
 {
     SceneParts parts{Camera(description.camera, {description.time, description.film.number("fps")}), {}, {}, {}, {}};
-    for (const DescribedNode& node : description.terrains) {
-        if (options.progress) options.progress(0.0, node.name);
-        BuildContext context = terrain_context(node, description, options.threads, options.progress);
-        context.shutter = {description.time + parts.camera.shutter_open(), description.time + parts.camera.shutter_close()};
-        parts.shapes.push_back(terrain_row(node).make(node.values, context));
-        parts.objects.push_back({node.name, node.type, {}, {}});
-    }
+    BuiltTerrains terrains = build_terrains(description, options, parts.camera);
+    parts.objects = std::move(terrains.objects);
+    parts.shapes = std::move(terrains.shapes);
     for (const DescribedNode& node : description.materials)
         parts.looks[node.name] = make_look(node.name, node.values, options.to_rendering, description.resolve);
     for (const DescribedNode& node : description.lights)

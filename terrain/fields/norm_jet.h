@@ -40,7 +40,7 @@ inline NormJet rk4_jet(double step, double speed, const double (&gradient)[4], d
     const NormJet k2 = (x + k1.times_step(0.5, step, speed)).through(gradient[1], hessian, shift);
     const NormJet k3 = (x + k2.times_step(0.5, step, speed)).through(gradient[2], hessian, shift);
     const NormJet k4 = (x + k3.times_step(1.0, step, speed)).through(gradient[3], hessian, shift);
-    return x + (k1 + k2 * 2.0 + k3 * 2.0 + k4).times_step(1.0 / 6.0, step, speed);
+    return x + (k1 + k2 * 2.0 + k3 * 2.0 + k4).times_step(1.0 / 6.0, step, 6.0 * speed);
 }
 
 }  // namespace hoodoo
