@@ -30,8 +30,8 @@ struct BuildContext {
     /// A file named in a scene -> the path to open. Confined to the declared roots; throws Error at `where` if it is outside or absent.
     std::function<std::string(const std::string& path, const Source& where)> resolve = [](const std::string& p, const Source&) { return p; };
     std::function<void(double fraction, const std::string& what)> progress;  ///< may be empty
-    /// Another terrain of the scene by name, for a representation that stands on one; it is then not rendered itself. Throws Error at `where` if there
-    /// is none, if it is a mesh, or if it stands on this one. Empty: there are no other terrains.
+    /// Another terrain of the scene by name, for a representation that stands on one; it is then not rendered itself. Throws Error at `where` if
+    /// there is none, if it is a mesh, or if it stands on this one. Empty: there are no other terrains.
     std::function<std::shared_ptr<const Surface>(const std::string& name, const Source& where)> base;
     std::optional<Viewpoint> view;  ///< absent: full detail everywhere
 };

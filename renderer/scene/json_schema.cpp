@@ -182,7 +182,8 @@ Json section_schema(const Section& section)
     for (std::size_t i = 0; i < section.schemas.size(); ++i) {
         Json properties{{"seed", seed_schema}};
         if (section.name == "terrain")
-            properties["visible"] = {{"type", "boolean"}, {"description", "Whether it is rendered itself; by default unless another terrain stands on it."}};
+            properties["visible"] = {{"type", "boolean"},
+                                     {"description", "Whether it is rendered itself; by default unless another terrain stands on it."}};
         if (!section.types.empty()) properties["type"] = {{"const", section.types[i]}};
         kinds.push_back(object_of(*section.schemas[i], std::move(properties)));
     }

@@ -94,7 +94,8 @@ private:
 
     std::shared_ptr<const Surface> base(const std::string& name, const Source& where, const std::string& user)
     {
-        const auto found = std::find_if(description_.terrains.begin(), description_.terrains.end(), [&](const DescribedNode& n) { return n.name == name; });
+        const auto found =
+            std::find_if(description_.terrains.begin(), description_.terrains.end(), [&](const DescribedNode& n) { return n.name == name; });
         if (found == description_.terrains.end()) {
             std::vector<std::string> names;
             for (const DescribedNode& node : description_.terrains)
@@ -109,7 +110,8 @@ private:
         if (!slot.shared) {
             auto* surface = std::get_if<std::unique_ptr<Surface>>(&*slot.shape);
             if (!surface)
-                throw Error(ErrorKind::scene, Problem{where, fmt::format("the terrain \"{}\" is a mesh", name), "a terrain with a surface of its own", {}, {}});
+                throw Error(ErrorKind::scene,
+                            Problem{where, fmt::format("the terrain \"{}\" is a mesh", name), "a terrain with a surface of its own", {}, {}});
             slot.shared = std::move(*surface);
             slot.shape.reset();
         }

@@ -6,9 +6,9 @@
 //   bulge     v = q (1 - u), u = |q|^2 / R^2     u' = 2u (1 - u) is logistic: u(t) = u E / (1 + u (E - 1)), E = e^{2t}
 //   shear     v = s (n.q), s perpendicular to n  n.q is constant: q + t s (n.q)
 //   vertical  v = (0, 0, f(x, y))                x and y are constant: z + t f
-// Bounds. Vortex: with x = r/R, |v| = R x e^{-x^2} <= R / sqrt(2e). Dv = w [a]x + (dw/dr)(a x q) e_r^T: norm at most w max(1, |1 - 2 x^2|) <= 1. D2v: the
-// profile g(r) = r w(r) has g'' = w/R (4 x^3 - 6 x) and (g/r)' = w' ; the form's norm is at most |g''| + 3 |w'|, below 6/R (both maxima are over
-// one variable: 2.1 and 0.86 times 1/R, and 3 x 0.86 + 2.1 = 4.7). Bulge: |v| <= R 2/sqrt(27), |Dv| <= 2 (its eigenvalues are 1 - u and 1 - 3u), D2v =
+// Bounds. Vortex: with x = r/R, |v| = R x e^{-x^2} <= R / sqrt(2e). Dv = w [a]x + (dw/dr)(a x q) e_r^T: norm at most w max(1, |1 - 2 x^2|) <= 1.
+// D2v(u, u) = 2 (grad w.u) a x u + D2w(u, u) a x q is a closed form in r and u; its supremum 1.9518 / R was found numerically. Bulge: |v| <= R
+// 2/sqrt(27), |Dv| <= 2 (its eigenvalues are 1 - u and 1 - 3u), D2v =
 // -(2/R^2)(q I + sym), norm 6|q|/R^2 <= 6/R inside; at the sphere Dv jumps, so there is no bound of D2v across it.
 #include "terrain/fields/flow.h"
 
@@ -23,6 +23,11 @@ namespace hoodoo
 Carried Flow::carry(const Vec3d&, double) const
 {
     throw Error(ErrorKind::internal, "a flow without a closed form was asked for one");
+}
+
+double Flow::usual_gradient() const
+{
+    return bound(Box3d(Vec3d(-kInfinity), Vec3d(kInfinity)), {0.0, 1.0}).gradient;
 }
 
 namespace
@@ -92,7 +97,7 @@ public:
         const Vec3d q = p - centre_;
         return cross_matrix(axis_) * turning(q) + outer(axis_.cross(q), turning_gradient(q));
     }
-    FlowBound bound(const Box3d&, const Interval&) const override { return {radius_ * 0.4290, 1.0, 6.0 / radius_, 0.0}; }
+    FlowBound bound(const Box3d&, const Interval&) const override { return {radius_ * 0.4290, 1.0, 1.96 / radius_, 0.0}; }
     bool closed_form() const override { return true; }
     Carried carry(const Vec3d& p, double t) const override
     {

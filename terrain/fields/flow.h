@@ -10,7 +10,8 @@
 namespace hoodoo
 {
 
-/// Of a map or a velocity: element [i][j] is the derivative of component i along axis j. (Imath multiplies rows: a * m is the transpose applied to a.)
+/// Of a map or a velocity: element [i][j] is the derivative of component i along axis j. (Imath multiplies rows: a * m is the transpose applied to
+/// a.)
 using Matrix3d = Imath::M33d;
 
 /// Suprema over a box and a span of times. Norms are Euclidean; kInfinity where there is no bound.
@@ -38,6 +39,9 @@ public:
     virtual Matrix3d gradient(const Vec3d& p, double t) const = 0;
     /// Proved, over all points of the box and all times of the span.
     virtual FlowBound bound(const Box3d& box, const Interval& times) const = 0;
+
+    /// About the largest |Dv| that is met, for the choice of steps; a proof uses bound(). By default the bound everywhere.
+    virtual double usual_gradient() const;
 
     /// Whether carry() is a closed form. Such a flow is steady.
     virtual bool closed_form() const { return false; }

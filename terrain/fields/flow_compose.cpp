@@ -2,8 +2,9 @@
 // Gamito2001, section 2, allows v(x, t): here the pattern of a steady flow moves, v(p, t) = v0(p - c t), so a step in time is a
 // step in space. In coordinates that move
 // along, q = p - c t, it is the steady flow v0(q) - c: how tests know its paths.
-// Mask: v m, m = product over the axes of a quintic fade s with |s'| <= (15/8) / f and |s''| <= (10/sqrt 3) / f^2. |grad m|^2 <= sum of squares; of the
-// Hessian the Frobenius norm. |D(vm)| <= |Dv| + |v||m'|, |D2(vm)| <= |D2v| + 2|Dv||m'| + |v||m''|; where the box lies in the mask's plateau m' = 0.
+// Mask: v m, m = product over the axes of a quintic fade s with |s'| <= (15/8) / f and |s''| <= (10/sqrt 3) / f^2. |grad m|^2 <= sum of squares; of
+// the Hessian the Frobenius norm. |D(vm)| <= |Dv| + |v||m'|, |D2(vm)| <= |D2v| + 2|Dv||m'| + |v||m''|; where the box lies in the mask's plateau m' =
+// 0.
 #include "terrain/fields/flow.h"
 
 #include <algorithm>
@@ -26,6 +27,7 @@ public:
         const double f = std::abs(factor_);
         return {b.speed * f, b.gradient * f, b.hessian * f, b.drift};
     }
+    double usual_gradient() const override { return std::abs(factor_) * flow_->usual_gradient(); }
     bool closed_form() const override { return flow_->closed_form(); }
     Carried carry(const Vec3d& p, double t) const override { return flow_->carry(p, t * factor_); }
 
@@ -59,6 +61,12 @@ public:
         }
         return sum;
     }
+    double usual_gradient() const override
+    {
+        double sum = 0.0;
+        for (const FlowPtr& flow : flows_) sum += flow->usual_gradient();
+        return sum;
+    }
 
 private:
     std::vector<FlowPtr> flows_;
@@ -78,6 +86,7 @@ public:
         b.drift = drift_.length();
         return b;
     }
+    double usual_gradient() const override { return flow_->usual_gradient(); }
 
 private:
     FlowPtr flow_;
@@ -117,14 +126,14 @@ public:
         }
         FlowBound b = flow_->bound(part, times);
         const double slope = std::sqrt(static_cast<double>(fading)) * kSlope / fade_;
-        const double curve =
-            std::sqrt(fading * kCurve * kCurve + fading * (fading - 1.0) * kSlope * kSlope * kSlope * kSlope) / (fade_ * fade_);
+        const double curve = std::sqrt(fading * kCurve * kCurve + fading * (fading - 1.0) * kSlope * kSlope * kSlope * kSlope) / (fade_ * fade_);
         if (fading > 0) {
             b.hessian += 2.0 * b.gradient * slope + b.speed * curve;
             b.gradient += b.speed * slope;
         }
         return b;
     }
+    double usual_gradient() const override { return std::min(2.0 * flow_->usual_gradient(), Flow::usual_gradient()); }
 
 private:
     static constexpr double kSlope = 1.875, kCurve = 5.7736;

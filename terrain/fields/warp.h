@@ -11,9 +11,9 @@ namespace hoodoo
 
 /// What is known of the inverse warp over a box of points and a span of durations.
 struct InverseBound {
-    Vec3d image{0.0};     ///< of the centre, at the middle of the span
-    Matrix3d jacobian;    ///< there
-    NormJet all;          ///< over the whole box and span; h is the duration
+    Vec3d image{0.0};       ///< of the centre, at the middle of the span
+    Matrix3d jacobian;      ///< there
+    NormJet all;            ///< over the whole box and span; h is the duration
     Vec3d half_image{0.0};  ///< the image of the whole lies within image +- half_image
 };
 
@@ -48,7 +48,17 @@ public:
     const Flow& flow() const { return *flow_; }
 
 private:
-    Carried step(const Carried& at, double t, double h) const;
+    struct Stage {
+        Vec3d point;
+        double speed;
+        Matrix3d gradient;
+    };
+    struct StepBound {
+        Carried centre;
+        NormJet jet;
+    };
+    Carried step(const Carried& at, double t, double h, Stage (&stages)[4]) const;
+    StepBound bound_step(const Vec3d& at, double spread, const Interval& lengths, double t, const Interval& times) const;
     FlowPtr flow_;
     double longest_ = 0.0;
     double lipschitz_ = 0.0;

@@ -55,7 +55,7 @@ double LocalField::slope_along(const Vec3d& unit) const
 }
 
 WarpedField::WarpedField(std::shared_ptr<const Field> base, Warp warp, double duration)
-    : base_(std::move(base)), warp_(std::move(warp)), duration_(duration)
+    : base_(std::move(base)), inner_(dynamic_cast<const WarpedField*>(base_.get())), warp_(std::move(warp)), duration_(duration)
 {
 }
 
@@ -65,14 +65,22 @@ Vec3d WarpedField::gradient(const Vec3d& p, double duration) const
     return apply_transposed(at.jacobian, base_->gradient(at.point));
 }
 
-LocalField WarpedField::local(const Box3d& box, const Interval& durations) const
+LocalField WarpedField::base_local(const Box3d& box) const
+{
+    if (inner_) return inner_->local(box, {inner_->duration_, inner_->duration_});
+    return {base_->range(box), base_->gradient_range(box), base_->curvature_bound(box)};
+}
+
+LocalField WarpedField::local(const Box3d& box, const Interval& durations, Box3d* where) const
 {
     const Vec3d half = box.size() * 0.5;
     const double radius = half.length(), span = 0.5 * (durations.hi - durations.lo);
     const InverseBound warp = warp_.inverse_bound(box, durations);
     const Box3d image(warp.image - warp.half_image, warp.image + warp.half_image);
-    const std::array<Interval, 3> g = base_->gradient_range(image);
-    const double steepest = length(g), bend = base_->curvature_bound(image);
+    if (where) *where = image;
+    const LocalField base = base_local(image);
+    const std::array<Interval, 3>& g = base.gradient;
+    const double steepest = length(g), bend = base.curvature;
     const double centre = base_->value(warp.image), rounding = kRounding * (1.0 + std::abs(centre));
 
     LocalField local;
@@ -82,7 +90,9 @@ LocalField WarpedField::local(const Box3d& box, const Interval& durations) const
         for (int i = 0; i < 3; ++i) {
             if (warp.jacobian[i][k] != 0.0) sum = sum + g[static_cast<std::size_t>(i)].scaled(warp.jacobian[i][k]);
         }
-        local.gradient[static_cast<std::size_t>(k)] = sum;
+        // However the warp bends, no component is longer than the whole gradient can be.
+        const double most = product(steepest, warp.all.x);
+        local.gradient[static_cast<std::size_t>(k)] = common(sum, {-most, most});
     }
     const double moved = product(product(steepest, warp.all.h), span);
     double straight = 0.0;
@@ -102,7 +112,7 @@ LocalField WarpedField::local(const Box3d& box, const Interval& durations) const
         linear += product(bend * warp.all.x * warp.all.h + product(steepest, warp.all.xh), span * radius);
         reach = std::min(reach, linear);
     }
-    local.value = common(base_->range(image), {centre - reach, centre + reach});
+    local.value = common(base.value, {centre - reach, centre + reach});
     local.value = {local.value.lo - rounding, local.value.hi + rounding};
     return local;
 }

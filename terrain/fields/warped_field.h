@@ -15,8 +15,8 @@ struct LocalField {
     std::array<Interval, 3> gradient;  ///< its components
     double curvature = kInfinity;      ///< Lipschitz constant of the gradient
 
-    double slope() const;                          ///< the largest length of a gradient
-    double slope_along(const Vec3d& unit) const;   ///< the largest derivative along a direction, as a magnitude
+    double slope() const;                         ///< the largest length of a gradient
+    double slope_along(const Vec3d& unit) const;  ///< the largest derivative along a direction, as a magnitude
 };
 
 /// F(p) = base(Phi^-1(p)): value, gradient and bounds of a base carried along a flow (Gamito2001). As a Field it has one duration; an animated warp
@@ -36,14 +36,18 @@ public:
 
     double value(const Vec3d& p, double duration) const { return base_->value(warp_.inverse(p, duration)); }
     Vec3d gradient(const Vec3d& p, double duration) const;
-    LocalField local(const Box3d& box, const Interval& durations) const;
+    /// `image`, if wanted, becomes a box around where the points came from.
+    LocalField local(const Box3d& box, const Interval& durations, Box3d* image = nullptr) const;
 
     const Field& base() const { return *base_; }
     const Warp& warp() const { return warp_; }
     double duration() const { return duration_; }
 
 private:
+    LocalField base_local(const Box3d& box) const;
+
     std::shared_ptr<const Field> base_;
+    const WarpedField* inner_;  ///< the base, if it is warped itself: it knows all about a box at once
     Warp warp_;
     double duration_;
 };

@@ -10,9 +10,9 @@ namespace hoodoo
 {
 
 struct AreaSettings {
-    double epsilon = 1e-3;   ///< square metres, at the surface of the base
-    double distance = 1.0;   ///< metres: where |base| says that the nearer end is as far as this, the tolerance has doubled
-    int most_depth = 20;     ///< of the recursion
+    double epsilon = 1e-3;  ///< square metres, at the surface of the base
+    double distance = 1.0;  ///< metres: where |base| says that the nearer end is as far as this, the tolerance has doubled
+    int most_depth = 20;    ///< of the recursion
 };
 
 /// Gamito2001, section 3.1, CheckIntersection: `place(t)` is the inverse warp of the ray at t, `base(q)` the undeformed surface (about a distance).

@@ -96,7 +96,8 @@ public:
         if (!clip(patch_bounds(id), ray, a, b)) return false;
         double t = 0.0;
         const FieldPatch& patch = tiles_[id.tile].patches[id.index];
-        const bool found = settings_.mode == MarchMode::paper ? paper(ray, a, b, t, hit.evaluations) : certified(patch, ray, a, b, t, hit.evaluations);
+        const bool found =
+            settings_.mode == MarchMode::paper ? paper(ray, a, b, t, hit.evaluations) : certified(patch, ray, a, b, t, hit.evaluations);
         if (!found || !(t > ray.t_min && t < hit.t)) return false;
         hit.t = t;
         hit.patch = id;
@@ -133,9 +134,7 @@ private:
         for (int z = 0; z < n[2]; ++z) {
             for (int y = 0; y < n[1]; ++y) {
                 for (int x = 0; x < n[0]; ++x) {
-                    const auto corner = [&](int i, int j, int k) {
-                        return lo + Vec3d(size.x * i / n[0], size.y * j / n[1], size.z * k / n[2]);
-                    };
+                    const auto corner = [&](int i, int j, int k) { return lo + Vec3d(size.x * i / n[0], size.y * j / n[1], size.z * k / n[2]); };
                     tile_boxes_.emplace_back(corner(x, y, z), corner(x + 1, y + 1, z + 1));
                     tiles_.push_back({corner(x, y, z), {}});
                 }
@@ -145,7 +144,6 @@ private:
 
     bool may_hold(const Box3d& box, LocalField& known) const
     {
-        if (!field_.may_exist(box)) return false;
         known = field_.local(box);
         return known.value.lo <= settings_.flat && known.value.hi >= -settings_.flat;
     }
@@ -172,8 +170,7 @@ private:
         const Vec3d pad(1e-6 * hull.size().length() + 8.0 * rounding_ + 0x1p-22 * (hull.max - tile.corner).length());
         hull = Box3d(hull.min - pad, hull.max + pad);
         known = field_.local(Box3d(hull.min - pad, hull.max + pad));
-        tile.patches.push_back(
-            {round_down(hull.min - tile.corner), round_up(hull.max - tile.corner), above(known.slope()), above(known.curvature)});
+        tile.patches.push_back({round_down(hull.min - tile.corner), round_up(hull.max - tile.corner), above(known.slope()), above(known.curvature)});
     }
 
     void shrink(const Box3d& box, int levels, Box3d& hull) const
@@ -208,12 +205,18 @@ private:
     {
         const auto f = [&](double s) { return field_.value(ray.at(s), ray.time); };
         const PieceBound bound{patch.slope, patch.curvature};
+        const auto closer = [&](double from, double to) {
+            Box3d box(ray.at(from));
+            box.extendBy(ray.at(to));
+            const LocalField known = field_.local(Box3d(box.min - Vec3d(rounding_), box.max + Vec3d(rounding_)));
+            return PieceBound{known.slope_along(ray.direction), known.curvature};
+        };
         const double accuracy = std::max(settings_.accuracy, 4.0 * (rounding_ + 0x1p-52 * (std::abs(a) + std::abs(b))));
         double fa = f(a);
         const double fb = f(b);
         evaluations += 2;
         const bool entering = ray.crossing == Crossing::entering;
-        while (first_crossing(f, {a, fa, b, fb}, entering, bound, settings_.flat, accuracy, t, evaluations)) {
+        while (first_crossing(f, closer, {a, fa, b, fb}, entering, bound, settings_.flat, accuracy, t, evaluations)) {
             if (field_.exists(ray.at(t), ray.time)) return true;
             a = t + accuracy;
             if (!(a < b)) return false;

@@ -16,12 +16,10 @@ class MarchedField
 public:
     virtual ~MarchedField() = default;
     virtual double value(const Vec3d& p, double time) const = 0;
-    /// Proved, for all times.
+    /// Proved, for all times. An empty range of values says that nothing exists anywhere in the box.
     virtual LocalField local(const Box3d& box) const = 0;
     /// Where the surface exists: a crossing elsewhere is none.
     virtual bool exists(const Vec3d& p, double time) const = 0;
-    /// False only if nothing exists anywhere in the box.
-    virtual bool may_exist(const Box3d& box) const = 0;
 
     /// For the paper's mode: where the point came from, and the base there.
     virtual Vec3d inverse(const Vec3d& p, double time) const = 0;
@@ -31,9 +29,9 @@ public:
 enum class MarchMode { certified, paper };
 
 struct PatchSettings {
-    Box3d domain;        ///< finite
-    double size = 1.0;   ///< of a patch, about, metres
-    double flat = 1e-7;  ///< of the field: a graze this shallow may be met or not
+    Box3d domain;            ///< finite
+    double size = 1.0;       ///< of a patch, about, metres
+    double flat = 1e-7;      ///< of the field: a graze this shallow may be met or not
     double accuracy = 1e-7;  ///< metres: of a crossing along the ray
     MarchMode mode = MarchMode::certified;
     double epsilon = 1e-3;  ///< paper: largest area of a triangle, square metres, at the base's surface; grows with |base| / epsilon_distance

@@ -3,6 +3,8 @@
 
 #include "terrain/math/vec.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace hoodoo
@@ -33,19 +35,33 @@ constexpr double kShortest = 0x1p-40;
 /// The first t in the stretch at which f changes its sign (from f >= 0 to f < 0 if `entering`, else either way). True if there is one.
 /// Certified: no change of sign is missed except where |f| < `flat` all the way through it (a graze that shallow may be either), and the answer is
 /// within `accuracy` of the change. Adds the evaluations.
-/// f(t) is called with t inside the stretch.
-template <class F>
-bool first_crossing(const F& f, const Stretch& whole, bool entering, const PieceBound& bound, double flat, double accuracy, double& t,
-                    std::uint32_t& evaluations)
+/// f(t) is called with t inside the stretch; closer(a, b) gives the bounds of a piece of it, which is asked when four halvings did not decide.
+template <class F, class Closer>
+bool first_crossing(const F& f, const Closer& closer, const Stretch& whole, bool entering, const PieceBound& given, double flat, double accuracy,
+                    double& t, std::uint32_t& evaluations)
 {
     // A stack of stretches yet to search, the nearest on top: halving needs one entry a level.
-    Stretch stack[64];
+    struct Entry {
+        Stretch s;
+        PieceBound bound;
+        int halvings;
+    };
+    Entry stack[64];
     int top = 0;
-    stack[top++] = whole;
+    stack[top++] = {whole, given, 0};
     int left = kMostEvaluations;
-    const double slope = bound.slope, shortest = (whole.b - whole.a) * kShortest;
+    const double shortest = (whole.b - whole.a) * kShortest;
     while (top > 0) {
-        Stretch s = stack[--top];
+        Entry entry = stack[--top];
+        Stretch& s = entry.s;
+        PieceBound& bound = entry.bound;
+        if (entry.halvings == 4) {
+            const PieceBound near = closer(s.a, s.b);
+            bound = {std::min(bound.slope, near.slope), std::min(bound.curvature, near.curvature)};
+            entry.halvings = 0;
+            evaluations += 4;
+            left -= 4;
+        }
         const bool changes = (s.fa < 0.0) != (s.fb < 0.0);
         if (!changes && keeps_sign(s, bound)) continue;
         const double width = s.b - s.a;
@@ -75,14 +91,15 @@ bool first_crossing(const F& f, const Stretch& whole, bool entering, const Piece
             return true;
         }
         // Everywhere within `flat` of zero on this stretch: nothing to be certain of.
-        if (!changes && std::max(std::abs(s.fa), std::abs(s.fb)) + std::min(0.5 * slope * width, 0.125 * bound.curvature * width * width) <= flat)
+        if (!changes &&
+            std::max(std::abs(s.fa), std::abs(s.fb)) + std::min(0.5 * bound.slope * width, 0.125 * bound.curvature * width * width) <= flat)
             continue;
         if (!changes && (width <= shortest || left <= 0)) continue;
         const double m = 0.5 * (s.a + s.b), fm = f(m);
         ++evaluations;
         --left;
-        stack[top++] = {m, fm, s.b, s.fb};
-        stack[top++] = {s.a, s.fa, m, fm};
+        stack[top++] = {{m, fm, s.b, s.fb}, bound, entry.halvings + 1};
+        stack[top++] = {{s.a, s.fa, m, fm}, bound, entry.halvings + 1};
     }
     return false;
 }

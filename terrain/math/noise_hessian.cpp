@@ -1,8 +1,8 @@
 // Second derivatives of gradient noise, by the product rule at each corner of the cell.
 // Perlin2002 for the noise. n = sum_c w_c l_c, w_c a product of fades (fade'' = 120 t^3 - 180 t^2 + 60 t), l_c = g_c.(p - c) linear, so that
 // D2 n = sum_c D2 w_c l_c + grad w_c g_c^T + g_c grad w_c^T.
-// Bounds, as in noise.cpp: D^k n (u^k) = sum_c g_c.(D^k w_c (p - c) + k D^(k-1) w_c u) <= sum_c |...|, a closed form in (p, u) whose maximum was found
-// numerically (many starts, then descent) and rounded up. The third derivative jumps at the cell's sides; the bound holds on either side.
+// Bounds, as in noise.cpp: D^k n (u^k) = sum_c g_c.(D^k w_c (p - c) + k D^(k-1) w_c u) <= sum_c |...|, a closed form in (p, u) whose maximum was
+// found numerically (many starts, then descent) and rounded up. The third derivative jumps at the cell's sides; the bound holds on either side.
 #include "terrain/math/noise_hessian.h"
 
 #include <numbers>

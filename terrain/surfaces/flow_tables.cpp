@@ -35,10 +35,17 @@ Parameter metres(const std::string& name, const std::string& doc)
 
 std::vector<Parameter> noise_parameters(bool sum)
 {
-    std::vector<Parameter> list{metres("wavelength", "Side of the noise's cells; of the first octave."), point("origin", "A corner of the noise's lattice.")};
+    std::vector<Parameter> list{metres("wavelength", "Side of the noise's cells; of the first octave."),
+                                point("origin", "A corner of the noise's lattice.")};
     if (!sum) return list;
-    list.push_back({.name = "octaves", .type = ParameterType::integer, .doc = "How many octaves.", .fallback = std::int64_t{1}, .minimum = 1, .maximum = 12});
-    list.push_back({.name = "gain", .type = ParameterType::number, .doc = "Amplitude of each octave by that of the one before.", .fallback = 0.4, .minimum = 0, .maximum = 1});
+    list.push_back(
+        {.name = "octaves", .type = ParameterType::integer, .doc = "How many octaves.", .fallback = std::int64_t{1}, .minimum = 1, .maximum = 12});
+    list.push_back({.name = "gain",
+                    .type = ParameterType::number,
+                    .doc = "Amplitude of each octave by that of the one before.",
+                    .fallback = 0.4,
+                    .minimum = 0,
+                    .maximum = 1});
     return list;
 }
 
@@ -54,11 +61,22 @@ void add_shared(Schema& schema)
          .unit = "m",
          .min_count = 3,
          .max_count = 3},
-        {.name = "mask_min", .type = ParameterType::vector, .doc = "Lower corner of the box outside which the flow fades out.", .unit = "m", .min_count = 3, .max_count = 3},
+        {.name = "mask_min",
+         .type = ParameterType::vector,
+         .doc = "Lower corner of the box outside which the flow fades out.",
+         .unit = "m",
+         .min_count = 3,
+         .max_count = 3},
         {.name = "mask_max", .type = ParameterType::vector, .doc = "Upper corner of that box.", .unit = "m", .min_count = 3, .max_count = 3},
         {.name = "above", .type = ParameterType::length, .doc = "The flow fades out below this height.", .unit = "m"},
         {.name = "below", .type = ParameterType::length, .doc = "The flow fades out above this height.", .unit = "m"},
-        {.name = "fade", .type = ParameterType::length, .doc = "Over how many metres.", .fallback = 1.0, .unit = "m", .minimum = 0, .above_minimum = true},
+        {.name = "fade",
+         .type = ParameterType::length,
+         .doc = "Over how many metres.",
+         .fallback = 1.0,
+         .unit = "m",
+         .minimum = 0,
+         .above_minimum = true},
     };
     schema.parameters.insert(schema.parameters.end(), shared.begin(), shared.end());
 }
@@ -110,13 +128,16 @@ std::vector<Schema> flow_schemas()
     const Parameter centre = point("centre", "Its centre."), axis = direction("axis", "Its axis, right-handed.", {0, 0, 1});
     std::vector<Schema> list{
         {"rotation", "Everything turns about an axis, one radian a unit of intensity.", {centre, axis}},
-        {"vortex", "Turns about an axis, slower with the distance from it: exp(-(r / radius)^2).", {centre, axis, metres("radius", "Where it is slower by e.")}},
+        {"vortex",
+         "Turns about an axis, slower with the distance from it: exp(-(r / radius)^2).",
+         {centre, axis, metres("radius", "Where it is slower by e.")}},
         {"bulge", "Outwards from a centre, by the distance times 1 - (r / radius)^2.", {centre, metres("radius", "Beyond it there is no flow.")}},
         {"shear",
          "Along a direction, by the height above a plane.",
          {centre, direction("normal", "Of the plane.", {0, 0, 1}), direction("direction", "Made perpendicular to the normal.", {1, 0, 0})}},
         {"vertical", "Up and down by a sum of noise: a height field of a plane.", noise_parameters(true)},
-        {"noise", "Along the gradient of a noise of x and y: walls that are its contour lines move at right angles to themselves.", noise_parameters(false)},
+        {"noise", "Along the gradient of a noise of x and y: walls that are its contour lines move at right angles to themselves.",
+         noise_parameters(false)},
         {"curl", "The curl of three sums of 3-D noise: swirls that keep volumes.", noise_parameters(true)},
     };
     for (Schema& schema : list) add_shared(schema);

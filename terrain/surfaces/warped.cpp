@@ -1,10 +1,10 @@
 // Any terrain that has a field, carried along a flow and met by rays where it went: overhangs from what had none (Gamito2001, sections 2 and 3).
-// F(p) = base(Psi(p)), Psi the inverse warp (fields/warp.h); patches with proved bounds (march/field_patches.h). The normal is J^T grad base, the exact
-// gradient of the discrete map: the paper's advected tangents give the same (its eq. 4 and 5; the signs of 6 cancel). Where that vanishes central
-// differences stand in. Materials, uv and texture point are the base's own at the undeformed point, so strata and image maps follow the flow (3.2).
-// Warps stack: the base may be `warped` itself. The intensity may change while the shutter is open: a ray carries its time, and the patches enclose all of
-// it. Deviations: the paper's search is the option mode = "paper"; its bases are planes and height fields, here anything with a field, in which the
-// surface ends where its base ends. Missing: level of detail (a base and flows have what detail they have); meshes as bases.
+// F(p) = base(Psi(p)), Psi the inverse warp (fields/warp.h); patches with proved bounds (march/field_patches.h). The normal is J^T grad base, the
+// exact gradient of the discrete map: the paper's advected tangents give the same (its eq. 4 and 5; the signs of 6 cancel). Where that vanishes
+// central differences stand in. Materials, uv and texture point are the base's own at the undeformed point, so strata and image maps follow the flow
+// (3.2). Warps stack: the base may be `warped` itself. The intensity may change while the shutter is open: a ray carries its time, and the patches
+// enclose all of it. Deviations: the paper's search is the option mode = "paper"; its bases are planes and height fields, here anything with a field,
+// in which the surface ends where its base ends. Missing: level of detail (a base and flows have what detail they have); meshes as bases.
 #include "terrain/error.h"
 #include "terrain/field.h"
 #include "terrain/fields/warped_field.h"
@@ -24,13 +24,14 @@ namespace hoodoo
 namespace
 {
 
-/// Union of a surface's patches.
+/// Union of a surface's patches, and a little more: where a box ends with the surface a crossing must not fall outside by its own error.
 Box3d bounds_of(const Surface& surface)
 {
     Box3d box;
     for (std::uint32_t tile = 0; tile < surface.tile_count(); ++tile)
         for (std::uint32_t i = 0; i < surface.patch_count(tile); ++i) box.extendBy(surface.patch_bounds({tile, i}));
-    return box;
+    const Vec3d pad(1e-6 * (1.0 + box.size().length()));
+    return {box.min - pad, box.max + pad};
 }
 
 class WarpedSurface final : public Surface, private MarchedField
@@ -133,18 +134,17 @@ private:
     double duration_at(double time) const { return open_ + (close_ - open_) * time; }
 
     double value(const Vec3d& p, double time) const override { return field_.value(p, duration_at(time)); }
-    LocalField local(const Box3d& box) const override { return field_.local(box, {std::min(open_, close_), std::max(open_, close_)}); }
+    LocalField local(const Box3d& box) const override
+    {
+        Box3d image;
+        LocalField known = field_.local(box, {std::min(open_, close_), std::max(open_, close_)}, &image);
+        if (!ground_.intersects(image)) known.value = {kInfinity, -kInfinity};
+        return known;
+    }
     bool exists(const Vec3d& p, double time) const override
     {
         const Vec3d rest = inverse(p, time);
         return ground_.intersects(rest) && (!inner_ || inner_->exists(rest, 0.0));
-    }
-    bool may_exist(const Box3d& box) const override
-    {
-        const double reach = field_.warp().reach(box);
-        if (ground_.intersects(box.min - Vec3d(reach)) && ground_.intersects(box.max + Vec3d(reach))) return true;
-        const InverseBound bound = field_.warp().inverse_bound(box, {std::min(open_, close_), std::max(open_, close_)});
-        return ground_.intersects(Box3d(bound.image - bound.half_image, bound.image + bound.half_image));
     }
     Vec3d inverse(const Vec3d& p, double time) const override { return field_.warp().inverse(p, duration_at(time)); }
     double base_value(const Vec3d& q) const override { return field_.base().value(q); }
@@ -176,7 +176,8 @@ std::shared_ptr<const Surface> base_of(const Values& values, const BuildContext&
     const std::string& name = values.text("base");
     if (!context.base) throw values.problem("base", "there is no other terrain to warp", "the name of a terrain", "\"" + name + "\"");
     std::shared_ptr<const Surface> base = context.base(name, values.where("base"));
-    if (!base->field()) throw values.problem("base", "this terrain cannot be warped: it has no field", "a terrain with one field", "\"" + name + "\"");
+    if (!base->field())
+        throw values.problem("base", "this terrain cannot be warped: it has no field", "a terrain with one field", "\"" + name + "\"");
     return base;
 }
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <unistd.h>
@@ -89,6 +90,29 @@ const std::vector<RowInstance>& row_instances()
          [](const Vec3d& s) { return carved_block(s, "intersector = \"sphere\"\nborder = \"cut\"\nsigma_cells = 1.5"); }},
         {"convolution", "convolution_cut_exact",
          [](const Vec3d& s) { return carved_block(s, "intersector = \"exact\"\nborder = \"cut\"\nsigma_cells = 1.5"); }},
+        {"warped", "warped_plane",
+         [](const Vec3d& s) {
+             return fmt::format(
+                 "base = \"plane\"\npatch = 1.0\nregion_min = {}\nregion_max = {}\n[[flow]]\nkind = \"curl\"\nwavelength = 10.0\norigin = {}\n"
+                 "strength = 0.3\n",
+                 vector_text(Vec3d(-4, -4, -2) + s), vector_text(Vec3d(6, 6, 8) + s), vector_text(s));
+         },
+         0.9},
+        {"warped", "warped_convolution",
+         [](const Vec3d& s) {
+             return fmt::format(
+                 "base = \"convolution_cut_sphere\"\npatch = 0.7\n[[flow]]\nkind = \"vortex\"\ncentre = {}\naxis = [0, 1, 0.2]\nradius = 3.0\n",
+                 vector_text(Vec3d(3, 3, 3) + s));
+         }},
+        {"warped", "warped_twice",
+         [](const Vec3d& s) {
+             return fmt::format(
+                 "base = \"warped_plane\"\npatch = 1.0\nintensity_close = 1.2\nregion_min = {}\nregion_max = {}\n[[flow]]\nkind = \"bulge\"\ncentre "
+                 "= {}\nradius = 3.0\n"
+                 "strength = 0.4\n",
+                 vector_text(Vec3d(-2, -2, -2) + s), vector_text(Vec3d(4, 4, 8) + s), vector_text(Vec3d(1, 1, 2.5) + s));
+         },
+         0.9},
     };
     return rows;
 }
@@ -111,6 +135,13 @@ BuiltRow build_row(const RowInstance& instance, const Vec3d& shift)
     BuildContext context;
     context.name = instance.name;
     context.seed = hash_name(1, instance.name);
+    // A base is the instance of that name, moved alike.
+    context.base = [&](const std::string& name, const Source&) -> std::shared_ptr<const Surface> {
+        const auto& rows = row_instances();
+        const auto base = std::find_if(rows.begin(), rows.end(), [&](const RowInstance& row) { return row.name == name; });
+        if (base == rows.end()) throw Error(ErrorKind::internal, "no instance " + name);
+        return std::move(std::get<std::unique_ptr<Surface>>(*build_row(*base, shift).shape));
+    };
     BuiltRow built;
     built.shape = std::make_unique<Shape>(entry->make(values, context));
     if (const auto* mesh = std::get_if<TriangleMesh>(built.shape.get())) built.mesh = std::make_unique<MeshSurface>(*mesh);

@@ -63,8 +63,9 @@ TEST(NoiseHessian, no_sample_passes_the_bounds_and_the_bounds_are_not_idle)
         const double mean = 0.5 * (n.xx + n.yy), off = std::hypot(0.5 * (n.xx - n.yy), n.xy);
         second2 = std::max(second2, std::abs(mean) + off);
         const NoiseJet3 m = noise_jet(p, 11);
-        second3 = std::max(second3, std::abs(u.dot(Vec3d(m.xx * u.x + m.xy * u.y + m.xz * u.z, m.xy * u.x + m.yy * u.y + m.yz * u.z,
-                                                         m.xz * u.x + m.yz * u.y + m.zz * u.z))));
+        second3 = std::max(
+            second3,
+            std::abs(u.dot(Vec3d(m.xx * u.x + m.xy * u.y + m.xz * u.z, m.xy * u.x + m.yy * u.y + m.yz * u.z, m.xz * u.x + m.yz * u.y + m.zz * u.z))));
         // The change of the Hessian over a small step is at most the third derivative's bound, whichever side of a cell it is on.
         const double h = 1e-4;
         const NoiseJet2 k = noise_jet(Vec2d(p.x + h, p.y), 11);
