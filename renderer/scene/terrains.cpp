@@ -1,6 +1,8 @@
 // Terrains built on demand: a warped terrain names its base, which is built first and then shared.
 #include "renderer/scene/terrains.h"
 
+#include "renderer/scene/terrain.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,11 +12,11 @@ namespace hoodoo
 namespace
 {
 
-std::vector<std::string> catalogue_names()
+/// A pixel in the middle of the picture.
+Viewpoint viewpoint(const Camera& camera, const Description& description)
 {
-    std::vector<std::string> names;
-    for (const CatalogueEntry& entry : catalogue()) names.push_back(entry.name);
-    return names;
+    const Vec2i size(static_cast<int>(description.film.integer("width")), static_cast<int>(description.film.integer("height")));
+    return {camera.eye(), camera.ray(Vec2d(0.5 * size.x, 0.5 * size.y), size, 0.0).footprint_spread};
 }
 
 /// A surface that others stand on and that is rendered too.
@@ -42,8 +44,8 @@ private:
 class TerrainBuilder
 {
 public:
-    TerrainBuilder(const Description& description, const SceneOptions& options, const std::optional<Viewpoint>& view)
-        : description_(description), options_(options), view_(view), slots_(description.terrains.size())
+    TerrainBuilder(const Description& description, const SceneOptions& options, const Camera& camera)
+        : description_(description), options_(options), camera_(camera), slots_(description.terrains.size())
     {
     }
 
@@ -73,22 +75,14 @@ private:
         Slot& slot = slots_[i];
         if (slot.shape || slot.shared) return;
         const DescribedNode& node = description_.terrains[i];
-        const CatalogueEntry* entry = find_in_catalogue(node.type);
-        if (!entry)
-            throw Error(ErrorKind::scene,
-                        Problem{node.where, "unknown terrain type", {}, "\"" + node.type + "\"", nearest_name(node.type, catalogue_names())});
+        const CatalogueEntry& row = terrain_row(node);
         slot.building = true;
         if (options_.progress) options_.progress(0.0, node.name);
-        BuildContext context;
-        context.name = node.name;
-        context.seed = node.seed;
-        context.threads = options_.threads;
-        context.view = view_;
-        if (description_.resolve) context.resolve = description_.resolve;
-        if (options_.progress)
-            context.progress = [&](double fraction, const std::string& what) { options_.progress(fraction, node.name + ": " + what); };
+        BuildContext context = terrain_context(node, description_, options_.threads, options_.progress);
+        context.shutter = {description_.time + camera_.shutter_open(), description_.time + camera_.shutter_close()};
+        context.view = viewpoint(camera_, description_);
         context.base = [&](const std::string& name, const Source& where) { return base(name, where, node.name); };
-        slot.shape = entry->make(node.values, context);
+        slot.shape = row.make(node.values, context);
         slot.building = false;
     }
 
@@ -120,15 +114,15 @@ private:
 
     const Description& description_;
     const SceneOptions& options_;
-    const std::optional<Viewpoint>& view_;
+    const Camera& camera_;
     std::vector<Slot> slots_;
 };
 
 }  // namespace
 
-BuiltTerrains build_terrains(const Description& description, const SceneOptions& options, const std::optional<Viewpoint>& view)
+BuiltTerrains build_terrains(const Description& description, const SceneOptions& options, const Camera& camera)
 {
-    return TerrainBuilder(description, options, view).build_all();
+    return TerrainBuilder(description, options, camera).build_all();
 }
 
 }  // namespace hoodoo

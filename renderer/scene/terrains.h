@@ -3,9 +3,8 @@
 
 #include "renderer/scene/description.h"
 #include "renderer/scene/scene.h"
-#include "terrain/catalogue.h"
+#include "terrain/shape.h"
 
-#include <optional>
 #include <vector>
 
 namespace hoodoo
@@ -17,7 +16,8 @@ struct BuiltTerrains {
 };
 
 /// One object for each terrain that is rendered: all but those that others stand on and that do not say `visible = true`, and those that say
-/// `visible = false`. Throws Error (scene) for an unknown base, a base without a surface, and terrains that stand on each other in a circle.
-BuiltTerrains build_terrains(const Description& description, const SceneOptions& options, const std::optional<Viewpoint>& view);
+/// `visible = false`. Level of detail goes by the camera's eye and the file's own size of picture. Throws Error (scene) for an unknown base, a base
+/// without a surface, and terrains that stand on each other in a circle.
+BuiltTerrains build_terrains(const Description& description, const SceneOptions& options, const Camera& camera);
 
 }  // namespace hoodoo

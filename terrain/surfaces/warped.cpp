@@ -185,7 +185,10 @@ Shape make_warped(const Values& values, const BuildContext& context)
 {
     const auto start = std::chrono::steady_clock::now();
     const std::shared_ptr<const Surface> base = base_of(values, context);
-    const double open = values.number("intensity"), close = values.has("intensity_close") ? values.number("intensity_close") : open;
+    const double rate = values.number("intensity_rate"), open = values.number("intensity") + rate * context.shutter[0];
+    const double close = values.has("intensity_close") ? values.number("intensity_close") : values.number("intensity") + rate * context.shutter[1];
+    if (!(open >= 0.0 && close >= 0.0))
+        throw values.problem("intensity_rate", "the intensity of a warp", "at least 0", fmt::format("{:.6g}", std::min(open, close)));
     FlowPtr flow = make_flow(values.tables("flow"), context.seed);
     const std::string why_not = Warp::why_not(*flow, std::max(open, close));
     if (!why_not.empty()) throw values.problem(open >= close ? "intensity" : "intensity_close", why_not, "a weaker or wider flow");
@@ -225,9 +228,14 @@ CatalogueEntry warped_row()
          .discriminator = "kind",
          .items = flow_schemas()},
         {.name = "intensity", .type = ParameterType::number, .doc = "For how long the flow carries the surface.", .fallback = 1.0, .minimum = 0},
+        {.name = "intensity_rate",
+         .type = ParameterType::number,
+         .doc = "How much the intensity grows in a second of the scene's time; while the shutter is open too.",
+         .fallback = 0.0,
+         .unit = "1/s"},
         {.name = "intensity_close",
          .type = ParameterType::number,
-         .doc = "The intensity when the shutter closes: motion blur. By default it does not change.",
+         .doc = "The intensity when the shutter closes; by default what the rate makes of it.",
          .minimum = 0},
         {.name = "patch",
          .type = ParameterType::length,
