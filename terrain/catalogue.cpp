@@ -18,6 +18,7 @@ std::span<const CatalogueEntry> catalogue()
         mesh_row(),
         convolution_row(),
         warped_row(),
+        canyon_row(),
     };
     return rows;
 }

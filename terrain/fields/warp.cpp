@@ -141,14 +141,14 @@ double Warp::reach(const Box3d& box) const
 Warp::StepBound Warp::bound_step(const Vec3d& at, double spread, const Interval& lengths, double t, const Interval& times) const
 {
     const double middle = 0.5 * (lengths.lo + lengths.hi), uneven = 0.5 * (lengths.hi - lengths.lo);
-    const double growth = std::exp(lipschitz_ * lengths.hi);
+    const double longest = std::max(std::abs(lengths.lo), std::abs(lengths.hi)), growth = std::exp(lipschitz_ * longest);
     StepBound bound;
     if (flow_->closed_form()) {
         bound.centre = flow_->carry(at, -middle);
         // Along a path of a steady flow the speed grows no faster than e^(L t).
-        const double wide = spread * growth + flow_->velocity(at, 0.0).length() * grown(lipschitz_, lengths.hi);
+        const double wide = spread * growth + flow_->velocity(at, 0.0).length() * grown(lipschitz_, longest);
         const FlowBound here = flow_->bound(Box3d(at - Vec3d(wide), at + Vec3d(wide)), times);
-        bound.jet = exact_jet(lengths.hi, here.speed, here.gradient, std::min(here.hessian, kBeyond));
+        bound.jet = exact_jet(longest, here.speed, here.gradient, std::min(here.hessian, kBeyond));
         return bound;
     }
     Stage stages[4];
@@ -168,7 +168,7 @@ Warp::StepBound Warp::bound_step(const Vec3d& at, double spread, const Interval&
     const double hessian = std::min(here.hessian, kBeyond);
     double gradients[4];
     for (int k = 0; k < 4; ++k) gradients[k] = std::min(here.gradient, norm_bound(stages[k].gradient) + hessian * (wide + here.drift * apart));
-    bound.jet = rk4_jet(lengths.hi, here.speed, gradients, hessian, here.drift * steps_);
+    bound.jet = rk4_jet(longest, here.speed, gradients, hessian, here.drift * steps_);
     return bound;
 }
 
@@ -177,7 +177,9 @@ InverseBound Warp::inverse_bound(const Box3d& box, const Interval& durations) co
     const Vec3d half = box.size() * 0.5;
     const double radius = std::max(half.length(), 1e-300), span = 0.5 * (durations.hi - durations.lo);
     // Steps of the discrete map itself, or as many as keep the bounds of an exact one close.
-    const int steps = flow_->closed_form() ? std::max(1, static_cast<int>(std::ceil(4.0 * lipschitz_ * durations.hi))) : steps_;
+    const int steps = flow_->closed_form()
+                          ? std::max(1, static_cast<int>(std::ceil(4.0 * lipschitz_ * std::max(std::abs(durations.lo), std::abs(durations.hi)))))
+                          : steps_;
     const Interval lengths{durations.lo / steps, durations.hi / steps};
 
     Carried at{box.center(), Matrix3d()};

@@ -31,7 +31,7 @@ public:
     static std::string why_not(const Flow& flow, double longest);
 
     /// Where the point of the warped world came from: along p' = v(p, t) from t = duration down to 0 (Gamito2001, eq. 3, corrected for flows that
-    /// depend on time).
+    /// depend on time). A steady flow may be followed the other way, by a negative duration of at most longest().
     Vec3d inverse(const Vec3d& p, double duration) const;
     Carried inverse_with_jacobian(const Vec3d& p, double duration) const;
 

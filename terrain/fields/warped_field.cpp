@@ -54,6 +54,12 @@ double LocalField::slope_along(const Vec3d& unit) const
     return magnitude(sum);
 }
 
+double LocalField::curvature_along(double curvature, double mixed, double upright, const Vec3d& unit)
+{
+    const double s = std::abs(unit.z), c = std::sqrt(std::max(0.0, 1.0 - s * s));
+    return product(curvature, c * c) + 2.0 * product(mixed, c * s) + product(upright, s * s);
+}
+
 WarpedField::WarpedField(std::shared_ptr<const Field> base, Warp warp, double duration)
     : base_(std::move(base)), inner_(dynamic_cast<const WarpedField*>(base_.get())), warp_(std::move(warp)), duration_(duration)
 {
@@ -68,7 +74,8 @@ Vec3d WarpedField::gradient(const Vec3d& p, double duration) const
 LocalField WarpedField::base_local(const Box3d& box) const
 {
     if (inner_) return inner_->local(box, {inner_->duration_, inner_->duration_});
-    return {base_->range(box), base_->gradient_range(box), base_->curvature_bound(box)};
+    const double bend = base_->curvature_bound(box);
+    return {base_->range(box), base_->gradient_range(box), bend, 0.0, bend};
 }
 
 LocalField WarpedField::local(const Box3d& box, const Interval& durations, Box3d* where) const
@@ -101,6 +108,7 @@ LocalField WarpedField::local(const Box3d& box, const Interval& durations, Box3d
     if (std::isfinite(bend) && warp.all.xx < 1e20) {
         const Vec3d at_centre = apply_transposed(warp.jacobian, base_->gradient(warp.image));
         local.curvature = bend * warp.all.x * warp.all.x + product(steepest, warp.all.xx);
+        local.upright = local.curvature;
         const double turn = local.curvature * radius + product(bend * warp.all.x * warp.all.h + product(steepest, warp.all.xh), span);
         double linear = 0.5 * local.curvature * radius * radius + moved;
         for (int k = 0; k < 3; ++k) {

@@ -13,10 +13,14 @@ namespace hoodoo
 struct LocalField {
     Interval value{-kInfinity, kInfinity};
     std::array<Interval, 3> gradient;  ///< its components
-    double curvature = kInfinity;      ///< Lipschitz constant of the gradient
+    /// Bounds of the second derivative along a unit direction with a horizontal part c and a vertical part s: curvature c^2 + mixed 2 c |s| + upright
+    /// s^2. Where all directions are alike upright = curvature, mixed = 0.
+    double curvature = kInfinity, mixed = 0.0, upright = kInfinity;
 
     double slope() const;                         ///< the largest length of a gradient
     double slope_along(const Vec3d& unit) const;  ///< the largest derivative along a direction, as a magnitude
+    double curvature_along(const Vec3d& unit) const { return curvature_along(curvature, mixed, upright, unit); }
+    static double curvature_along(double curvature, double mixed, double upright, const Vec3d& unit);
 };
 
 /// F(p) = base(Phi^-1(p)): value, gradient and bounds of a base carried along a flow (Gamito2001). As a Field it has one duration; an animated warp

@@ -25,7 +25,7 @@ namespace
 
 struct FieldPatch {
     Vec3f lo, hi;  ///< relative to the tile's corner
-    float slope, curvature;
+    float slope, curvature, mixed, upright;
 };
 
 struct Tile {
@@ -64,7 +64,7 @@ public:
         const double far = std::max({std::abs(lo.x), std::abs(lo.y), std::abs(lo.z), std::abs(hi.x), std::abs(hi.y), std::abs(hi.z)});
         rounding_ = 0x1p-48 * far;
         if (settings.mode == MarchMode::paper) {
-            tiles_.push_back({lo, {{Vec3f(0.0f), round_up(hi - lo), 0.0f, 0.0f}}});
+            tiles_.push_back({lo, {{Vec3f(0.0f), round_up(hi - lo), 0.0f, 0.0f, 0.0f, 0.0f}}});
             return;
         }
         lay_tiles();
@@ -153,10 +153,11 @@ private:
         LocalField known;
         if (tile.patches.size() > settings_.most_patches || !may_hold(box, known)) return;
         const Vec3d size = box.size();
-        const bool small = size[longest_side(size)] <= settings_.size;
+        const Vec3d from = box.center() - settings_.focus;
+        const bool small = size[longest_side(size)] <= settings_.size + settings_.growth * std::hypot(from.x, from.y);
         double least = 0.0;
         for (const Interval& g : known.gradient) least += g.contains(0.0) ? 0.0 : std::min(g.lo * g.lo, g.hi * g.hi);
-        const bool nearly_linear = known.curvature * 0.5 * size.length() * 16.0 < std::sqrt(least);
+        const bool nearly_linear = std::max({known.curvature, known.mixed, known.upright}) * 0.5 * size.length() * 16.0 < std::sqrt(least);
         if (!small && !nearly_linear) {
             const auto [low, high] = halves(box);
             divide(low, tile);
@@ -170,7 +171,8 @@ private:
         const Vec3d pad(1e-6 * hull.size().length() + 8.0 * rounding_ + 0x1p-22 * (hull.max - tile.corner).length());
         hull = Box3d(hull.min - pad, hull.max + pad);
         known = field_.local(Box3d(hull.min - pad, hull.max + pad));
-        tile.patches.push_back({round_down(hull.min - tile.corner), round_up(hull.max - tile.corner), above(known.slope()), above(known.curvature)});
+        tile.patches.push_back({round_down(hull.min - tile.corner), round_up(hull.max - tile.corner), above(known.slope()), above(known.curvature),
+                                above(known.mixed), above(known.upright)});
     }
 
     void shrink(const Box3d& box, int levels, Box3d& hull) const
@@ -204,12 +206,12 @@ private:
     bool certified(const FieldPatch& patch, const Ray& ray, double a, double b, double& t, std::uint32_t& evaluations) const
     {
         const auto f = [&](double s) { return field_.value(ray.at(s), ray.time); };
-        const PieceBound bound{patch.slope, patch.curvature};
+        const PieceBound bound{patch.slope, LocalField::curvature_along(patch.curvature, patch.mixed, patch.upright, ray.direction)};
         const auto closer = [&](double from, double to) {
             Box3d box(ray.at(from));
             box.extendBy(ray.at(to));
             const LocalField known = field_.local(Box3d(box.min - Vec3d(rounding_), box.max + Vec3d(rounding_)));
-            return PieceBound{known.slope_along(ray.direction), known.curvature};
+            return PieceBound{known.slope_along(ray.direction), known.curvature_along(ray.direction)};
         };
         const double accuracy = std::max(settings_.accuracy, 4.0 * (rounding_ + 0x1p-52 * (std::abs(a) + std::abs(b))));
         double fa = f(a);

@@ -10,5 +10,6 @@ CatalogueEntry plane_row();
 CatalogueEntry mesh_row();
 CatalogueEntry convolution_row();
 CatalogueEntry warped_row();
+CatalogueEntry canyon_row();
 
 }  // namespace hoodoo

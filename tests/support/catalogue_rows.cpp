@@ -113,6 +113,13 @@ const std::vector<RowInstance>& row_instances()
                  vector_text(Vec3d(-2, -2, -2) + s), vector_text(Vec3d(4, 4, 8) + s), vector_text(Vec3d(1, 1, 2.5) + s));
          },
          0.9},
+        {"canyon", "canyon",
+         [](const Vec3d& s) {
+             return fmt::format(
+                 "origin = {}\ncentre = {}\ncell = 4.0\nheight = 4.0\nextent = 5.0\npatch = 0.5\ngrowth = 0.0\noctaves = 3\nlod = false\n",
+                 vector_text(s), vector_text(Vec3d(2, 1, 2) + s));
+         },
+         0.9},
     };
     return rows;
 }

@@ -1,0 +1,114 @@
+// The canyon of Gamito2001, section 4.1: a saturated noise whose walls are moved along its gradient, by an amount that changes with height.
+#pragma once
+
+#include "terrain/field.h"
+#include "terrain/fields/warped_field.h"
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace hoodoo
+{
+
+/// Octaves of a profile beyond what a pixel resolves are faded out by the distance from the eye.
+struct ProfileView {
+    Vec3d eye{0.0};
+    double spread = 0.0;  ///< width of a pixel a metre of distance
+};
+
+struct CanyonShape {
+    Vec3d origin{0.0};        ///< metres: of the noise's lattice, and height 0
+    double cell = 50.0;       ///< metres: side of the noise's cells
+    double height = 50.0;     ///< metres: from height 0 to the plateau
+    std::uint32_t seed = 0;   ///< of the noise of the plan
+    double amplitude = 0.35;  ///< of T, in squared cells: how far walls move
+    double frequency = 3.0;   ///< of T: cells of its first octave from floor to plateau
+    int octaves = 4;
+    std::uint32_t profile_seed = 0;
+    double sediment = 0.35;         ///< k: slope of the deposit
+    double sediment_height = 0.3;   ///< zs, a share of the height
+    double floor_amplitude = 0.04;  ///< metres by the height: the floor lies in [0, 2 x this] x height, about
+    double floor_wavelength = 0.7;  ///< cells
+    std::optional<ProfileView> view;
+};
+
+/// T(z) = amplitude sum 0.5^k n1(2^k frequency z + 17.3 k, seed + k), z a share of the height; each octave weighted by distance where there is a
+/// view.
+class CanyonProfile
+{
+public:
+    explicit CanyonProfile(const CanyonShape& shape) : shape_(shape) {}
+
+    /// T at a point in metres, its derivative by height (per metre), and by the distance from the eye (per metre).
+    struct Value {
+        double t = 0.0, by_height = 0.0, by_distance = 0.0;
+    };
+    Value at(const Vec3d& p) const;
+
+    /// Proved over a box: T, and bounds of its first and second derivatives along any unit direction, of its height part alone, per metre.
+    struct Range {
+        Interval t, by_height;
+        double by_distance = 0.0;  ///< |dT / d distance|
+        double upright = 0.0;      ///< |d2T / dz2|
+        double rest = 0.0;         ///< what distance adds to a second derivative along any direction
+    };
+    Range over(const Box3d& box) const;
+
+    double most() const;  ///< |T| everywhere
+
+private:
+    double weight(int octave, double distance, double* slope) const;
+    const CanyonShape shape_;
+};
+
+/// One of the canyon's three surfaces: negative on its own side; all in metres.
+class CanyonWall final
+{
+public:
+    explicit CanyonWall(const CanyonShape& shape);
+    /// -cell (n(Psi_T(x, y)) + k ramp(zs - z)): negative in rock.
+    double value(const Vec3d& p) const;
+    Vec3d gradient(const Vec3d& p) const;
+    LocalField local(const Box3d& box) const;
+    /// For the paper's mode: the point in the undeformed plan (its height kept), and the wall there.
+    Vec3d inverse(const Vec3d& p) const;
+    double base_value(const Vec3d& q) const;
+    const CanyonProfile& profile() const { return profile_; }
+
+private:
+    double ramp(double z, double* slope, double* curve) const;
+    double noise(const Vec2d& q, Vec2d* gradient) const;
+    Vec2d carried(const Vec2d& q, double t) const;
+
+    CanyonShape shape_;
+    CanyonProfile profile_;
+    Warp warp_;
+};
+
+/// Matter is below the floor, or inside the walls and below the plateau: min(floor, max(wall, plateau)), in metres.
+class CanyonField final : public Field
+{
+public:
+    explicit CanyonField(const CanyonShape& shape);
+    double value(const Vec3d& p) const override;
+    Vec3d gradient(const Vec3d& p) const override;
+    double slope_bound(const Segment& segment) const override;
+    Interval range(const Box3d& box) const override;
+    Box3d bounds() const override;
+    std::array<Interval, 3> gradient_range(const Box3d& box) const override;
+
+    const CanyonWall& wall() const { return wall_; }
+    double plateau(const Vec3d& p) const { return p.z - (shape_.origin.z + shape_.height); }
+    double floor(const Vec3d& p) const;
+    Vec3d floor_gradient(const Vec3d& p) const;
+    LocalField floor_local(const Box3d& box) const;
+    LocalField plateau_local(const Box3d& box) const;
+    const CanyonShape& shape() const { return shape_; }
+
+private:
+    CanyonShape shape_;
+    CanyonWall wall_;
+};
+
+}  // namespace hoodoo
