@@ -213,6 +213,7 @@ LocalField CanyonWall::local(const Box3d& box) const
     // By height: |dF/dT| T', where dF/dT of the true flow is never positive; of the discrete one, either.
     const double z = by_time * slope_t + aside;
     known.gradient[2] = {-z + w * std::min(-low, -high), z + w * std::max(-low, -high)};
+    known.centre = -w * (n + ramp(0.5 * (box.min.z + box.max.z), nullptr, nullptr));
     const double spread = std::min(plain, most * radius) + by_time * span;
     const double rounding = 1e-12 * (w + std::abs(box.min.x) + std::abs(box.min.y));
     known.value = {-w * (n + upper) - spread - rounding, -w * (n + lower) + spread + rounding};
@@ -259,6 +260,7 @@ LocalField CanyonField::floor_local(const Box3d& box) const
     known.gradient[2] = {1.0, 1.0};
     const double linear = std::abs(g.x) * half.x + std::abs(g.y) * half.y + 0.5 * curve * radius * radius;
     const double reach = std::min({linear, slope * radius, a * 1.75 * kNoise2Bound.value * 2.0}) + half.z + 1e-12 * shape_.cell;
+    known.centre = f;
     known.value = {f - reach, f + reach};
     known.curvature = curve;
     known.mixed = known.upright = 0.0;
@@ -269,6 +271,7 @@ LocalField CanyonField::plateau_local(const Box3d& box) const
 {
     LocalField known;
     known.value = {plateau(box.min), plateau(box.max)};
+    known.centre = plateau(box.center());
     known.gradient = {Interval{0.0, 0.0}, Interval{0.0, 0.0}, Interval{1.0, 1.0}};
     known.curvature = known.mixed = known.upright = 0.0;
     return known;

@@ -75,7 +75,7 @@ LocalField WarpedField::base_local(const Box3d& box) const
 {
     if (inner_) return inner_->local(box, {inner_->duration_, inner_->duration_});
     const double bend = base_->curvature_bound(box);
-    return {base_->range(box), base_->gradient_range(box), bend, 0.0, bend};
+    return {base_->range(box), 0.0, base_->gradient_range(box), bend, 0.0, bend};
 }
 
 LocalField WarpedField::local(const Box3d& box, const Interval& durations, Box3d* where) const
@@ -91,6 +91,7 @@ LocalField WarpedField::local(const Box3d& box, const Interval& durations, Box3d
     const double centre = base_->value(warp.image), rounding = kRounding * (1.0 + std::abs(centre));
 
     LocalField local;
+    local.centre = centre;
     const double turned = product(steepest, product(warp.all.xx, radius) + product(warp.all.xh, span));
     for (int k = 0; k < 3; ++k) {
         Interval sum{-turned, turned};

@@ -1,10 +1,10 @@
 // Boxes that may hold the surface, by halving a domain as long as the field's proved range leaves zero in; in each box a certified march.
 // Gamito2001, section 3.1, with the paper's own remark made good: "interval arithmetic or Lipschitz bounds could possibly be used to increase the
 // robustness". Building: a box is dropped when the field's range over it has no zero; a box small enough, or so small that the field is nearly linear
-// in it (K r < |g| / 16), becomes a patch, shrunk to the hull of what is left of it after three more halvings. Each patch keeps bounds of slope and
-// curvature over itself; the march in it is that of first_crossing.h. Every box is widened a little, so that a crossing at the common side of two
-// boxes lies well inside one of them.
-// The domain is first cut into tiles, which are built in parallel; a patch's box is kept relative to its tile, rounded outwards.
+// in it (K r < |g| / 16), becomes a patch, shrunk to what the mean value theorem leaves of it (where the gradient jumps: to the hull of what is left
+// after three more halvings). Each patch keeps bounds of slope and curvature over itself; the march in it is that of first_crossing.h. Every box is
+// widened a little, so that a crossing at the common side of two boxes lies well inside one of them. The domain is first cut into tiles, which are
+// built in parallel; a patch's box is kept relative to its tile, rounded outwards.
 #include "terrain/march/field_patches.h"
 
 #include "terrain/error.h"
@@ -165,7 +165,11 @@ private:
             return;
         }
         Box3d hull;
-        shrink(box, 3, hull);
+        if (std::isfinite(known.curvature)) {
+            hull = clip_by_gradient(box, known);
+        } else {
+            shrink(box, 3, hull);
+        }
         if (hull.isEmpty()) return;
         // Wide enough that the coarse numbers of a patch do not let its bounds end before its box does.
         const Vec3d pad(1e-6 * hull.size().length() + 8.0 * rounding_ + 0x1p-22 * (hull.max - tile.corner).length());
@@ -173,6 +177,36 @@ private:
         known = field_.local(Box3d(hull.min - pad, hull.max + pad));
         tile.patches.push_back({round_down(hull.min - tile.corner), round_up(hull.max - tile.corner), above(known.slope()), above(known.curvature),
                                 above(known.mixed), above(known.upright)});
+    }
+
+    /// What is left of a box where the mean value theorem allows a zero: F(c) + sum_k G_k dx_k = 0, with each G_k in its range. Times are one only
+    /// where the value at the centre is the same for all: a moving surface keeps its box.
+    Box3d clip_by_gradient(const Box3d& box, const LocalField& known) const
+    {
+        const Vec3d half = box.size() * 0.5, centre = box.center();
+        double all = 0.0;
+        for (int k = 0; k < 3; ++k)
+            all += std::max(std::abs(known.gradient[static_cast<std::size_t>(k)].lo), std::abs(known.gradient[static_cast<std::size_t>(k)].hi)) *
+                   half[k];
+        // What the range of values says beyond the gradients is what the surface moves by.
+        const double moving = settings_.moving ? kInfinity : settings_.flat;
+        Box3d out = box;
+        for (int k = 0; k < 3; ++k) {
+            const Interval& g = known.gradient[static_cast<std::size_t>(k)];
+            if (!(g.lo > 0.0 || g.hi < 0.0)) continue;
+            const double rest = all - std::max(std::abs(g.lo), std::abs(g.hi)) * half[k] + moving;
+            double lo = kInfinity, hi = -kInfinity;
+            for (const double slope : {g.lo, g.hi}) {
+                for (const double side : {-rest, rest}) {
+                    lo = std::min(lo, (side - known.centre) / slope);
+                    hi = std::max(hi, (side - known.centre) / slope);
+                }
+            }
+            out.min[k] = std::max(out.min[k], centre[k] + lo);
+            out.max[k] = std::min(out.max[k], centre[k] + hi);
+            if (out.min[k] > out.max[k]) return {};
+        }
+        return out;
     }
 
     void shrink(const Box3d& box, int levels, Box3d& hull) const

@@ -33,6 +33,7 @@ struct PatchSettings {
     double size = 1.0;       ///< of a patch, about, metres
     Vec3d focus{0.0};        ///< patches grow with the horizontal distance from here:
     double growth = 0.0;     ///< metres a metre
+    bool moving = false;  ///< the field changes with time
     double flat = 1e-7;      ///< of the field: a graze this shallow may be met or not
     double accuracy = 1e-7;  ///< metres: of a crossing along the ray
     MarchMode mode = MarchMode::certified;

@@ -28,7 +28,7 @@ bool keeps_sign(const Stretch& s, const PieceBound& bound);
 /// Whether it certainly rises or falls all the way: the chord's slope exceeds what curvature can undo.
 bool is_monotone(const Stretch& s, const PieceBound& bound);
 
-constexpr int kMostEvaluations = 20000;  ///< of one search: a ray that lies in the surface ends there
+constexpr int kMostEvaluations = 200000;  ///< of one search: a ray that lies in the surface ends there
 /// Stretches are halved down to this share of their length in the beginning.
 constexpr double kShortest = 0x1p-40;
 
@@ -55,7 +55,7 @@ bool first_crossing(const F& f, const Closer& closer, const Stretch& whole, bool
         Entry entry = stack[--top];
         Stretch& s = entry.s;
         PieceBound& bound = entry.bound;
-        if (entry.halvings == 4) {
+        if (entry.halvings == 4 && left > 0) {
             const PieceBound near = closer(s.a, s.b);
             bound = {std::min(bound.slope, near.slope), std::min(bound.curvature, near.curvature)};
             entry.halvings = 0;

@@ -38,7 +38,7 @@ public:
     LocalField local(const Box3d& box) const override
     {
         const LocalField top = canyon_.plateau_local(box), ground = canyon_.floor_local(box);
-        const LocalField nothing{{kInfinity, -kInfinity}, {}, 0.0, 0.0, 0.0};
+        const LocalField nothing{{kInfinity, -kInfinity}, 0.0, {}, 0.0, 0.0, 0.0};
         // Walls and plateau are bare above the floor, walls below the plateau too.
         if (part_ != Part::floor && ground.value.hi < -hair_) return nothing;
         if (part_ == Part::wall) return top.value.lo > hair_ ? nothing : canyon_.wall().local(box);

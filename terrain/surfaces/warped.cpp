@@ -196,6 +196,7 @@ Shape make_warped(const Values& values, const BuildContext& context)
 
     PatchSettings settings;
     settings.domain = surface->domain();
+    settings.moving = open != close;
     if (values.has("region_min")) settings.domain.min = values.vec3("region_min");
     if (values.has("region_max")) settings.domain.max = values.vec3("region_max");
     for (int k = 0; k < 3; ++k)
