@@ -55,7 +55,7 @@ std::pair<Box3d, Box3d> halves(const Box3d& box)
     return {low, high};
 }
 
-class FieldPatches final : public PatchIntersector
+class FieldPatches final : public FieldIntersector
 {
 public:
     FieldPatches(const MarchedField& field, const PatchSettings& settings) : field_(field), settings_(settings)
@@ -110,8 +110,6 @@ public:
         hit.t = ray.t_max;
         return intersect(id, ray, hit);
     }
-
-    double value_error() const override { return settings_.flat; }
 
     std::uint64_t memory_bytes() const override
     {
@@ -285,12 +283,12 @@ private:
 
 }  // namespace
 
-std::unique_ptr<PatchIntersector> make_field_patches(const MarchedField& field, const PatchSettings& settings)
+std::unique_ptr<FieldIntersector> make_field_patches(const MarchedField& field, const PatchSettings& settings)
 {
     return std::make_unique<FieldPatches>(field, settings);
 }
 
-std::vector<double> all_crossings(const PatchIntersector& patches, Ray ray)
+std::vector<double> all_crossings(const FieldIntersector& patches, Ray ray)
 {
     std::vector<double> found;
     ray.crossing = Crossing::any;

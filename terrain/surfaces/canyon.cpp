@@ -161,7 +161,7 @@ private:
     static constexpr double kHair = 1e-8;
     struct Body {
         std::unique_ptr<PartField> field;
-        std::unique_ptr<const PatchIntersector> patches;
+        std::unique_ptr<const FieldIntersector> patches;
         std::uint32_t first_tile = 0;
     };
 

@@ -167,7 +167,7 @@ private:
     double open_, close_;
     Box3d ground_;
     double flat_ = 0.0, accuracy_ = 0.0, size_ = 1.0;
-    std::unique_ptr<const PatchIntersector> patches_;
+    std::unique_ptr<const FieldIntersector> patches_;
     double build_seconds_ = 0.0;
 };
 
