@@ -36,9 +36,10 @@ public:
     /// Where its length is under 1e-3 / sigma it is replaced by the direction to the nearest interface of the column (maths A4). Not normalised.
     Vec3d smoothed_gradient(const Vec3d& p, double width) const;
 
-private:
+    /// A vector of length 1 / sigma away from the nearest side of matter in the column of `p`.
     Vec3d towards_nearest_interface(const Vec3d& p) const;
 
+private:
     Ground ground_;
     double sigma_;
 };

@@ -13,11 +13,13 @@
 #include "terrain/march/exact_cells.h"
 #include "terrain/march/sphere_bricks.h"
 #include "terrain/march/water_patches.h"
+#include "terrain/stack/columns_around.h"
 #include "terrain/stack/visible.h"
 #include "terrain/surfaces/refine.h"
 #include "terrain/surfaces/rows.h"
 #include "terrain/surfaces/stack_source.h"
 
+#include <bit>
 #include <chrono>
 
 namespace hoodoo
@@ -134,19 +136,24 @@ public:
         if (is_water(hit.patch.tile)) return on_water(ray, hit);
         const Body& body = body_of(hit.patch.tile);
         Interaction at;
-        const Refined refined = refine_crossing(*body.field, ray, hit.t, body.patches->value_error(), stack_->cell());
+        // All questions are about points near the hit: a hair along the ray, a hair along the normal, normal_width along the axes.
+        const Vec3d hit_point = ray.at(hit.t);
+        const double hair = 2e-3 * stack_->cell() + std::numeric_limits<float>::epsilon() * hit_point.length();
+        const ColumnsAround near(*body.field, hit_point, normal_width_ + hair);
+        const auto value = [&](const Vec3d& p) { return is_within(p, hit_point, hair) ? near.value(p) : body.field->value(p); };
+        const Refined refined = refine_crossing(value, ray, hit.t, body.patches->value_error(), stack_->cell());
         at.t = refined.t;
         at.position = ray.at(refined.t);
         at.position_error = refined.error;
-        const ConvolutionField::Neighbourhood around = body.field->neighbourhood(at.position, normal_width_);
+        const ConvolutionField::Neighbourhood around = near.neighbourhood(at.position, normal_width_);
         const Vec3d smooth = around.smoothed;
         at.geometric_normal = around.gradient;
         if (!(at.geometric_normal.length() > 1e-9 / body.field->sigma())) at.geometric_normal = smooth;
         at.geometric_normal.normalize();
         at.shading_normal = into_hemisphere(smooth.normalized(), at.geometric_normal);
-        at.spawn_offset = spawn_offset(body, at);
+        at.spawn_offset = spawn_offset(body, value, at);
         at.texture_point = at.position;
-        add_materials(body, at);
+        add_materials(body, near, at);
         return at;
     }
 
@@ -227,25 +234,35 @@ private:
 
     /// Doubles the offset until the field says air by more than the patches can err. Other bodies count as long as the point does not lie deep in
     /// them: where rock rests on ground the two surfaces coincide, and no offset leaves both.
-    double spawn_offset(const Body& body, const Interaction& at) const
+    template <class Value>
+    double spawn_offset(const Body& body, const Value& value, const Interaction& at) const
     {
-        const double least = std::max(2.0 * at.position_error, 1e-9 * stack_->cell());
-        const auto outside = [&](const Body& b, double offset) {
-            return b.field->value(at.position + at.geometric_normal * offset) > 2.0 * b.patches->value_error();
-        };
+        const auto point = [&](double offset) { return at.position + at.geometric_normal * offset; };
         const double most = body.field->sigma();
-        double own = least;
-        while (own < most && !outside(body, own)) own *= 2.0;
+        double own = std::max(2.0 * at.position_error, 1e-9 * stack_->cell());
+        while (own < most && !(value(point(own)) > 2.0 * body.patches->value_error())) own *= 2.0;
         for (double offset = own; offset < most; offset *= 2.0) {
             bool all = true;
-            for (const Body& b : bodies_) all = all && outside(b, offset);
+            for (const Body& b : bodies_)
+                all = all && ((&b == &body && offset == own) || b.field->value(point(offset)) > 2.0 * b.patches->value_error());
             if (all) return offset;
         }
         return own;
     }
 
-    void add_materials(const Body& body, Interaction& at) const
+    static bool is_within(const Vec3d& p, const Vec3d& centre, double reach)
     {
+        const Vec3d d = p - centre;
+        return std::abs(d.x) <= reach && std::abs(d.y) <= reach && std::abs(d.z) <= reach;
+    }
+
+    void add_materials(const Body& body, const ColumnsAround& near, Interaction& at) const
+    {
+        const unsigned around = near.materials() & body.set;
+        if (std::has_single_bit(around)) {
+            at.materials.add(index_of_[static_cast<std::size_t>(std::countr_zero(around))], 1.0f);
+            return;
+        }
         if (const std::optional<Material> only = only_visible(body.field->ground(), body.set, body.field->sigma(), at.position)) {
             at.materials.add(index_of_[static_cast<std::size_t>(*only)], 1.0f);
             return;

@@ -3,6 +3,8 @@
 
 #include "terrain/field.h"
 
+#include <functional>
+
 namespace hoodoo
 {
 
@@ -13,6 +15,7 @@ struct Refined {
 
 /// The crossing of the kind ray.crossing nearest to `t`, where |field| <= value_error is known. If the field does not change its sign within a
 /// thousandth of `scale` around t (a graze), t is kept and the error is that thousandth.
+Refined refine_crossing(const std::function<double(const Vec3d&)>& field, const Ray& ray, double t, double value_error, double scale);
 Refined refine_crossing(const Field& field, const Ray& ray, double t, double value_error, double scale);
 
 /// The unit vector `shading`, mirrored at the tangent plane of `geometric` if it lies below it: continuous, where turning it round would jump.
