@@ -219,11 +219,15 @@ private:
         }
     }
 
-    /// Embree's copy of the ray. False if the ray misses the scene's box altogether.
-    bool prepare(const Ray& ray, Query& query, RTCRay& out) const
+    bool is_inside(const Vec3d& p) const
     {
-        const Vec3d origin = ray.origin - world_origin_;
-        double enter = ray.t_min, leave = ray.t_max;
+        return std::abs(p.x) <= half_extent_.x && std::abs(p.y) <= half_extent_.y && std::abs(p.z) <= half_extent_.z;
+    }
+
+    /// Moves `enter` to where the ray comes into the scene's box. False if it never does before it ends.
+    bool advance_to_box(const Ray& ray, const Vec3d& origin, double& enter) const
+    {
+        double leave = ray.t_max;
         for (int k = 0; k < 3; ++k) {
             if (ray.direction[k] == 0.0) {
                 if (std::abs(origin[k]) > half_extent_[k]) return false;
@@ -234,7 +238,16 @@ private:
             enter = std::max(enter, std::min(a, b));
             leave = std::min(leave, std::max(a, b));
         }
-        if (!(enter < leave)) return false;
+        return enter < leave;
+    }
+
+    /// Embree's copy of the ray. False if the ray misses the scene's box altogether.
+    bool prepare(const Ray& ray, Query& query, RTCRay& out) const
+    {
+        const Vec3d origin = ray.origin - world_origin_;
+        double enter = ray.t_min;
+        // A ray that starts inside, as most do, needs no clipping.
+        if (!is_inside(origin) && !advance_to_box(ray, origin, enter)) return false;
 
         rtcInitIntersectContext(&query.embree);
         query.ray = &ray;

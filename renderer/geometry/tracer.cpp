@@ -14,6 +14,8 @@ namespace
 
 /// Embree's assertions accept components up to 1.8e18 (its FLT_LARGE); terrains end long before.
 constexpr double kLargest = 1e18;
+/// Bounds of a unit direction's squared length: 1e-3 to either side of its length.
+constexpr double kShortest2 = 0.999 * 0.999, kLongest2 = 1.001 * 1.001;
 
 bool is_small(const Vec3d& v)
 {
@@ -25,7 +27,8 @@ bool is_small(const Vec3d& v)
 bool Tracer::passes_gate(const Ray& ray) const
 {
     // Each comparison is false for a NaN.
-    const bool straight = is_small(ray.origin) && is_small(ray.direction) && std::abs(ray.direction.length() - 1.0) <= 1e-3;
+    const double length2 = ray.direction.length2();
+    const bool straight = is_small(ray.origin) && length2 >= kShortest2 && length2 <= kLongest2;
     const bool interval = ray.t_min >= 0.0 && ray.t_min < ray.t_max && ray.t_min < kLargest;
     const bool shutter = ray.time >= 0.0 && ray.time <= 1.0;
     if (straight && interval && shutter) return true;

@@ -59,21 +59,29 @@ HWY_INLINE void decode_level(const CompactCluster& c, std::size_t lane, V* value
     }
 }
 
-HWY_INLINE void decode(const CompactCluster& c, double, std::size_t lane, Corners& out)
+HWY_INLINE void decode_heights(const CompactCluster& c, double, std::size_t lane, Corners& out)
 {
     out.z0 = hn::ConvertTo(D(), load_bytes(c.z + lane));
     out.z1 = hn::ConvertTo(D(), load_bytes(c.z + lane + 1));
+}
+
+HWY_INLINE void decode_values(const CompactCluster& c, std::size_t lane, Corners& out)
+{
     decode_level(c, lane, out.low);
     decode_level(c, lane + 1, out.high);
 }
 
-HWY_INLINE void decode(const WideCluster& c, double z_base, std::size_t lane, Corners& out)
+HWY_INLINE void decode_heights(const WideCluster& c, double z_base, std::size_t lane, Corners& out)
 {
     HWY_ALIGN float z[17];
     for (std::size_t i = 0; i < 16; ++i) z[i] = static_cast<float>(c.z[i] - z_base);
     z[16] = 0.0f;
     out.z0 = hn::LoadU(D(), z + lane);
     out.z1 = hn::LoadU(D(), z + lane + 1);
+}
+
+HWY_INLINE void decode_values(const WideCluster& c, std::size_t lane, Corners& out)
+{
     for (int k = 0; k < 4; ++k) {
         out.low[k] = hn::LoadU(D(), c.value[k] + lane);
         out.high[k] = hn::LoadU(D(), c.value[k] + lane + 1);
@@ -124,7 +132,7 @@ HWY_INLINE std::uint32_t filter(const Cluster& cluster, double z_base, const Fil
         const V cell_y = hn::ConvertTo(d, hn::And(hn::ShiftRight<2>(offset), hn::Set(di, 3)));
 
         Corners corner;
-        decode(cluster, z_base, lane, corner);
+        decode_heights(cluster, z_base, lane, corner);
 
         // Clip the ray to the widened slabs.
         const V x = hn::Sub(hn::Set(d, ray.origin[0]), cell_x), y = hn::Sub(hn::Set(d, ray.origin[1]), cell_y), z = hn::Set(d, ray.origin[2]);
@@ -137,6 +145,7 @@ HWY_INLINE std::uint32_t filter(const Cluster& cluster, double z_base, const Fil
             hn::Le(t_in, t_out),
             hn::RebindMask(d, hn::Ne(hn::And(hn::Set(di, static_cast<std::int32_t>(cluster.slabs)), hn::Shl(hn::Set(di, 1), index)), hn::Zero(di))));
         if (hn::AllFalse(d, met)) continue;
+        decode_values(cluster, lane, corner);
 
         // Value and slope at both ends.
         Trilinear f;

@@ -54,6 +54,12 @@ Cubic along(const Slab& s, const SlabRay& ray, double t0, double length)
 int monotone_ends(const Cubic& g, double ends[4])
 {
     int n = 0;
+    // Most pieces are monotone as a whole: the slope's Bernstein coefficients have one sign, and no root is asked for.
+    const double first = g.c1, middle = g.c1 + g.c2, last = g.c1 + 2.0 * g.c2 + 3.0 * g.c3;
+    if ((first < 0.0 && middle < 0.0 && last < 0.0) || (first > 0.0 && middle > 0.0 && last > 0.0)) {
+        ends[0] = 0.0, ends[1] = 1.0;
+        return 2;
+    }
     ends[n++] = 0.0;
     // 3 c3 x^2 + 2 c2 x + c1 = 0, by the formula that does not cancel.
     const double a = 3.0 * g.c3, b = g.c2, c = g.c1, discriminant = b * b - a * c;
@@ -68,7 +74,8 @@ int monotone_ends(const Cubic& g, double ends[4])
     return n;
 }
 
-/// The root of g between x0 and x1, where it has opposite signs and is monotone: Newton, kept inside a shrinking bracket.
+/// The root of g between x0 and x1, where it has opposite signs and is monotone: Newton, kept inside a shrinking bracket. After a step h what is left
+/// of g is at most h^2 (|c2| + 3 |c3|), so a step of 1e-8 is the last: 1e-15 of the corner values, which is their rounding.
 double root(const Cubic& g, double x0, double y0, double x1, double y1)
 {
     double x = x0 + (x1 - x0) * (y0 / (y0 - y1));
@@ -78,8 +85,9 @@ double root(const Cubic& g, double x0, double y0, double x1, double y1)
         ((y < 0.0) == (y0 < 0.0) ? x0 : x1) = x;
         const double slope = g.slope(x);
         double next = x - y / slope;
-        if (!(next > std::min(x0, x1) && next < std::max(x0, x1))) next = 0.5 * (x0 + x1);
-        if (std::abs(next - x) <= 4e-16) return next;
+        const bool newton = next > std::min(x0, x1) && next < std::max(x0, x1);
+        if (!newton) next = 0.5 * (x0 + x1);
+        if (std::abs(next - x) <= (newton ? 1e-8 : 4e-16)) return next;
         x = next;
     }
     return x;
