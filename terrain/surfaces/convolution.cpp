@@ -160,10 +160,11 @@ public:
     void dress(Interaction& at) const override
     {
         const Body& body = bodies_.front();
-        const Vec3d smooth = body.field->smoothed_gradient(at.position, normal_width_);
+        const ColumnsAround near(*body.field, at.position, normal_width_);
+        const Vec3d smooth = near.neighbourhood(at.position, normal_width_).smoothed;
         at.shading_normal = into_hemisphere(smooth.normalized(), at.geometric_normal);
         at.texture_point = at.position;
-        add_materials(body, at);
+        add_materials(body, near, at);
     }
 
     bool contains(const Vec3d& p) const override
