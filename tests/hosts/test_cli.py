@@ -323,10 +323,23 @@ def all_scenes():
     return sorted([*(ROOT / "scenes").rglob("*.toml"), *(ROOT / "tests/images").rglob("scene.toml")])
 
 
+def merged(path):
+    """A scene with what it includes, by the reader's rule: tables merge, all else of the including file wins."""
+    def merge(base, over):
+        both = isinstance(base, dict) and isinstance(over, dict)
+        return {**base, **{k: merge(base[k], v) if k in base else v for k, v in over.items()}} if both else over
+
+    scene = tomllib.loads(path.read_text())
+    base = {}
+    for included in scene.pop("include", []):
+        base = merge(base, merged(path.parent / included))
+    return merge(base, scene)
+
+
 @pytest.mark.parametrize("path", all_scenes(), ids=[str(p.relative_to(ROOT)) for p in all_scenes()])
 def test_every_scene_is_valid_for_editors_and_names_its_schema(path, validator):
     text = path.read_text()
-    errors = [f"{'/'.join(map(str, e.absolute_path))}: {e.message[:200]}" for e in validator.iter_errors(tomllib.loads(text))]
+    errors = [f"{'/'.join(map(str, e.absolute_path))}: {e.message[:200]}" for e in validator.iter_errors(merged(path))]
     assert errors == []
     if path.is_relative_to(ROOT / "scenes"):
         header = re.match(r"#:schema (\S+)\n", text)
