@@ -19,6 +19,7 @@ std::span<const CatalogueEntry> catalogue()
         convolution_row(),
         warped_row(),
         canyon_row(),
+        rock_pile_row(),
     };
     return rows;
 }

@@ -50,6 +50,18 @@ struct Interaction {
     Vec2d uv{0.0};                    ///< surface coordinates where the representation has them, else 0
     Vec3d texture_point{0.0};         ///< where procedural and triplanar textures are looked up (rest space), metres
     MaterialWeights materials;
+    std::uint32_t instance = 0;     ///< id of the instance it lies on, from 1; 0: on none
+    std::uint32_t look_seed = 0;    ///< of an instance: what makes its colour differ from its neighbours'
+    Imath::Quatd texture_to_world;  ///< turns directions of texture_point's space into the world's; identity but on rotated instances
+};
+
+/// What instanced rocks cost. Zero where there are none.
+struct RockInfo {
+    std::uint64_t instances = 0;
+    std::uint64_t per_tile = 0;       ///< rocks that a tile of the arrangement was asked to hold
+    std::uint64_t meshes = 0;         ///< distinct ones
+    double tile_seconds = 0.0;        ///< cells, contacts, weathering, meshes
+    double instancing_seconds = 0.0;  ///< which rocks lie where
 };
 
 /// What `hoodoo info` prints about a terrain. Zero where a representation has no such thing.
@@ -60,9 +72,11 @@ struct SurfaceInfo {
     std::uint64_t trace_bytes = 0;  ///< what tracing adds to it, without Embree's own BVH
     std::uint64_t patches = 0;
     double build_seconds = 0.0;
+    RockInfo rocks;
 };
 
 class Field;
+struct Instances;
 
 /// All functions are const, pure and thread-safe after construction.
 class Surface
@@ -121,6 +135,10 @@ public:
         const Field* only = field();
         return only ? std::vector<const Field*>{only} : std::vector<const Field*>{};
     }
+
+    /// Meshes that lie on the surface and are a part of the same object, alive as long as it; nullptr where there are none. The verbs above do not
+    /// know them: a tracer asks both. Their material is one of materials().
+    virtual const Instances* instances() const { return nullptr; }
 };
 
 }  // namespace hoodoo

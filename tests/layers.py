@@ -3,7 +3,7 @@
 
 The layers (design): hosts -> render -> {transport, film, compare, scene}; transport -> {scene, light, shading, geometry};
 scene -> {geometry, light, shading, terrain}; {geometry, shading, light} -> terrain; film -> terrain/math.
-Inside terrain: catalogue -> surfaces -> {march, edit, stack} -> fields -> field.h -> math.
+Inside terrain: catalogue -> surfaces -> {march, edit, rocks, stack} -> fields -> field.h -> math.
 """
 import pathlib
 import re
@@ -19,9 +19,10 @@ MAY_INCLUDE = {
     "terrain/fields": TERRAIN_BASE,
     "terrain/stack": TERRAIN_BASE | {"terrain/fields"},
     "terrain/edit": TERRAIN_BASE | {"terrain/fields", "terrain/stack"},
+    "terrain/rocks": TERRAIN_BASE | {"terrain/stack"},
     "terrain/march": TERRAIN_BASE | {"terrain/fields", "terrain/stack"},
     "terrain/io": TERRAIN_BASE | {"terrain/fields", "terrain/stack"},
-    "terrain/surfaces": TERRAIN_PUBLIC | {"terrain/fields", "terrain/stack", "terrain/edit", "terrain/march", "terrain/io"},
+    "terrain/surfaces": TERRAIN_PUBLIC | {"terrain/fields", "terrain/stack", "terrain/edit", "terrain/march", "terrain/io", "terrain/rocks"},
     "terrain/catalogue": TERRAIN_PUBLIC | {"terrain/surfaces"},
     "renderer/geometry": TERRAIN_BASE,
     "renderer/shading": TERRAIN_BASE,

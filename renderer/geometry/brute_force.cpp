@@ -1,7 +1,7 @@
 // The oracle of the tracer: every patch and every triangle is asked, in double precision, without any structure that could lose one.
 
+#include "renderer/geometry/instance.h"
 #include "renderer/geometry/tracer.h"
-#include "renderer/geometry/triangle.h"
 
 namespace hoodoo
 {
@@ -25,9 +25,10 @@ protected:
             const auto object = static_cast<std::uint32_t>(i);
             if (const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shapes_[i])) {
                 nearest_on_surface(**surface, object, shortened, best);
-            } else {
-                nearest_on_mesh(std::get<TriangleMesh>(shapes_[i]), object, shortened, best);
+            } else if (const auto* mesh = std::get_if<TriangleMesh>(&shapes_[i])) {
+                nearest_on_mesh(*mesh, object, shortened, best);
             }
+            if (const Instances* instances = instances_of(shapes_[i])) nearest_on_instances(*instances, object, shortened, best);
         }
         return best;
     }
@@ -39,11 +40,14 @@ protected:
                 for (std::uint32_t tile = 0; tile < (*surface)->tile_count(); ++tile)
                     for (std::uint32_t i = 0; i < (*surface)->patch_count(tile); ++i)
                         if ((*surface)->occluded({tile, i}, ray)) return true;
-            } else {
-                const TriangleMesh& mesh = std::get<TriangleMesh>(shape);
-                for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-                    if (intersect_triangle(mesh, i, ray)) return true;
+            } else if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+                for (std::size_t i = 0; i < mesh->triangles.size(); ++i)
+                    if (intersect_triangle(*mesh, i, ray)) return true;
             }
+            TraceHit hit;
+            Ray shortened = ray;
+            if (const Instances* instances = instances_of(shape)) nearest_on_instances(*instances, 0, shortened, hit);
+            if (hit.valid) return true;
         }
         return false;
     }
@@ -63,6 +67,7 @@ private:
         best.t = ray.t_max = hit.t;
         best.object = object;
         best.patch = hit.patch;
+        best.instance = kNoInstance;
     }
 
     static void nearest_on_mesh(const TriangleMesh& mesh, std::uint32_t object, Ray& ray, TraceHit& best)
@@ -75,6 +80,22 @@ private:
             best.object = object;
             best.patch = {0, static_cast<std::uint32_t>(i)};
             best.barycentric = hit->barycentric;
+            best.instance = kNoInstance;
+        }
+    }
+
+    static void nearest_on_instances(const Instances& instances, std::uint32_t object, Ray& ray, TraceHit& best)
+    {
+        for (std::size_t k = 0; k < instances.instances.size(); ++k) {
+            const InstanceFrame frame(instances.instances[k]);
+            Ray local = frame.to_mesh(ray);
+            TraceHit hit;
+            nearest_on_mesh(instances.meshes[instances.instances[k].mesh], object, local, hit);
+            if (!hit.valid) continue;
+            hit.t = ray.t_max = hit.t * frame.scale;
+            hit.evaluations = best.evaluations;
+            hit.instance = static_cast<std::uint32_t>(k);
+            best = hit;
         }
     }
 };

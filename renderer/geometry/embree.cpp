@@ -1,19 +1,19 @@
-// Embree behind the Tracer interface: bounds, intersect and occluded, written once for every Surface; triangles are Embree's own.
+// Embree behind the Tracer interface: bounds, intersect and occluded, written once for every Surface; triangles are Embree's own; copies of meshes
+// are in embree_instances.cpp. No file but embree*.cpp includes Embree.
 //
 // Embree works in single precision. Three measures make it lose no hit (tests/laws prove it at 4000 km from the origin):
 //   the world is moved so that the centre of the scene is Embree's origin;
 //   a ray that starts outside the scene is advanced to the scene's box in double precision before it is rounded;
 //   every box is padded by 4 units in the last place of the largest number that enters its slab test.
 // The callbacks then work on the caller's ray in double precision, not on Embree's copy.
-// One instance level and no motion are needed so far, so none is used.
+// No motion is needed so far, so none is used.
 // For edits each tile has a tree of its own under one over all (Embree's scenes of low build quality): what an edit does not touch is not built
 // again.
 
-#include "renderer/geometry/tracer.h"
+#include "renderer/geometry/embree_instances.h"
+#include "renderer/geometry/instance.h"
 #include "terrain/error.h"
 #include "terrain/isa.h"
-
-#include <embree3/rtcore.h>
 
 #include <algorithm>
 #include <cmath>
@@ -26,33 +26,13 @@ namespace
 
 /// What the callbacks of one Embree geometry need: one tile of one surface.
 struct Part {
-    const Surface* surface = nullptr;  ///< nullptr: a triangle mesh
+    const Surface* surface = nullptr;            ///< or
+    const EmbreeInstances* instances = nullptr;  ///< or neither: a triangle mesh
     std::uint32_t object = 0;
     std::uint32_t tile = 0;
     Vec3d world_origin{0.0};
     double padding = 0.0;
 };
-
-/// Travels with one query through Embree to the callbacks.
-struct Query {
-    RTCIntersectContext embree;  // must come first: Embree hands back a pointer to it
-    const Ray* ray = nullptr;
-    double shift = 0.0;  ///< Embree's ray starts this far along the caller's ray
-    Hit hit;
-    std::uint32_t object = 0;
-};
-
-// Outwards by one unit in the last place at least, without a call; the smallest normal number stands in for zero's neighbours.
-float round_up(double x)
-{
-    const auto f = static_cast<float>(x);
-    return f + std::abs(f) * 0x1p-23f + std::numeric_limits<float>::min();
-}
-float round_down(double x)
-{
-    const auto f = static_cast<float>(x);
-    return f - std::abs(f) * 0x1p-23f - std::numeric_limits<float>::min();
-}
 
 void part_bounds(const RTCBoundsFunctionArguments* args)
 {
@@ -79,6 +59,7 @@ void part_intersect(const RTCIntersectFunctionNArguments* args)
     if (!found) return;
     query.hit = hit;
     query.object = part.object;
+    query.instance = kNoInstance;
     rayhit.ray.tfar = std::min(rayhit.ray.tfar, round_up(hit.t - query.shift));
     rayhit.hit.geomID = args->geomID;
     rayhit.hit.primID = args->primID;
@@ -91,21 +72,6 @@ void part_occluded(const RTCOccludedFunctionNArguments* args)
     if (part.surface->occluded({part.tile, args->primID}, *query.ray)) {
         reinterpret_cast<RTCRay*>(args->ray)->tfar = -std::numeric_limits<float>::infinity();
     }
-}
-
-void check(RTCDevice device)
-{
-    const RTCError code = rtcGetDeviceError(device);
-    if (code == RTC_ERROR_NONE) return;
-    if (code == RTC_ERROR_OUT_OF_MEMORY) throw Error(ErrorKind::memory, "out of memory while building the acceleration structure");
-    throw Error(ErrorKind::internal, "Embree reports error " + std::to_string(static_cast<int>(code)));
-}
-
-Box3d mesh_bounds(const TriangleMesh& mesh)
-{
-    Box3d box;
-    for (const Vec3f& v : mesh.vertices) box.extendBy(mesh.origin + Vec3d(v));
-    return box;
 }
 
 class EmbreeTracer final : public Tracer
@@ -146,9 +112,9 @@ public:
             rtcSetGeometryUserPrimitiveCount(geometry, surface.patch_count(tile));
             rtcCommitGeometry(geometry);
         }
-        check(device_);
+        check_embree(device_);
         rtcJoinCommitScene(scene_);
-        check(device_);
+        check_embree(device_);
     }
 
 protected:
@@ -165,10 +131,12 @@ protected:
         if (rayhit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return result;
         result.valid = true;
         const Part& part = parts_[rayhit.hit.geomID];
-        if (part.surface) {
+        if (part.surface || part.instances) {
             result.t = query.hit.t;
             result.object = query.object;
             result.patch = query.hit.patch;
+            result.instance = query.instance;
+            result.barycentric = query.barycentric;
         } else {
             result.t = query.shift + static_cast<double>(rayhit.ray.tfar);
             result.object = part.object;
@@ -188,6 +156,12 @@ protected:
     }
 
     double triangle_error() const override { return padding_; }
+    double instance_error(std::uint32_t mesh, std::uint32_t object) const override
+    {
+        for (const auto& instances : instances_)
+            if (instances->object() == object) return instances->error(mesh);
+        return 0.0;
+    }
 
 private:
     void build()
@@ -206,13 +180,14 @@ private:
                 first_part_.push_back(static_cast<std::uint32_t>(parts_.size()));
                 if (const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shapes_[i])) {
                     add_surface(**surface, static_cast<std::uint32_t>(i));
-                } else {
-                    add_mesh(std::get<TriangleMesh>(shapes_[i]), static_cast<std::uint32_t>(i));
+                } else if (const auto* mesh = std::get_if<TriangleMesh>(&shapes_[i])) {
+                    add_mesh(*mesh, static_cast<std::uint32_t>(i));
                 }
+                if (const Instances* instances = instances_of(shapes_[i])) add_instances(*instances, static_cast<std::uint32_t>(i));
             }
-            check(device_);
+            check_embree(device_);
             rtcJoinCommitScene(scene_);
-            check(device_);
+            check_embree(device_);
         } catch (...) {
             release();
             throw;
@@ -273,8 +248,13 @@ private:
             if (const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shape)) {
                 for (std::uint32_t tile = 0; tile < (*surface)->tile_count(); ++tile)
                     for (std::uint32_t i = 0; i < (*surface)->patch_count(tile); ++i) box.extendBy((*surface)->patch_bounds({tile, i}));
-            } else {
-                box.extendBy(mesh_bounds(std::get<TriangleMesh>(shape)));
+            } else if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+                box.extendBy(mesh_bounds(*mesh));
+            }
+            if (const Instances* instances = instances_of(shape)) {
+                std::vector<Box3d> boxes;
+                for (const TriangleMesh& mesh : instances->meshes) boxes.push_back(mesh_bounds(mesh));
+                for (const Instance& instance : instances->instances) box.extendBy(instance_bounds(instance, boxes[instance.mesh]));
             }
         }
         if (box.isEmpty()) return;
@@ -290,9 +270,10 @@ private:
         std::size_t count = 0;
         for (const Shape& shape : shapes_) {
             const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shape);
-            count += surface ? (*surface)->tile_count() : 1;
+            count += (surface ? (*surface)->tile_count() : 1) + 1;
         }
         parts_.clear();
+        instances_.clear();
         first_part_.clear();
         parts_.reserve(count);  // Embree keeps pointers into it
     }
@@ -308,7 +289,7 @@ private:
     {
         for (std::uint32_t tile = 0; tile < surface.tile_count(); ++tile) {
             if (surface.patch_count(tile) == 0 && !options_.editable) continue;
-            parts_.push_back({&surface, object, tile, world_origin_, padding_});
+            parts_.push_back({&surface, nullptr, object, tile, world_origin_, padding_});
             const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_USER);
             rtcSetGeometryUserPrimitiveCount(geometry, surface.patch_count(tile));
             rtcSetGeometryUserData(geometry, &parts_.back());
@@ -322,21 +303,30 @@ private:
 
     void add_mesh(const TriangleMesh& mesh, std::uint32_t object)
     {
-        parts_.push_back({nullptr, object, 0, world_origin_, padding_});
+        parts_.push_back({nullptr, nullptr, object, 0, world_origin_, padding_});
         const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
         auto* vertices = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
                                                                      std::max<std::size_t>(1, mesh.vertices.size())));
         auto* indices = static_cast<std::array<std::uint32_t, 3>*>(rtcSetNewGeometryBuffer(
             geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), std::max<std::size_t>(1, mesh.triangles.size())));
-        check(device_);
+        check_embree(device_);
         const Vec3d offset = mesh.origin - world_origin_;
         std::transform(mesh.vertices.begin(), mesh.vertices.end(), vertices, [&](const Vec3f& v) { return Vec3f(Vec3d(v) + offset); });
         std::copy(mesh.triangles.begin(), mesh.triangles.end(), indices);
         attach(geometry);
     }
 
+    void add_instances(const Instances& instances, std::uint32_t object)
+    {
+        if (instances.instances.empty()) return;
+        instances_.push_back(std::make_unique<EmbreeInstances>(device_, instances, object));
+        parts_.push_back({nullptr, instances_.back().get(), object, 0, world_origin_, padding_});
+        attach(instances_.back()->geometry(device_, world_origin_, padding_));
+    }
+
     void release()
     {
+        instances_.clear();
         if (scene_) rtcReleaseScene(scene_);
         if (device_) rtcReleaseDevice(device_);
         scene_ = nullptr;
@@ -348,12 +338,21 @@ private:
     TracerOptions options_;
     std::vector<Part> parts_;                ///< by Embree's geometry number
     std::vector<std::uint32_t> first_part_;  ///< of each object
+    std::vector<std::unique_ptr<EmbreeInstances>> instances_;
     Vec3d world_origin_{0.0};
     Vec3d half_extent_{-1.0};  ///< of the scene around world_origin_; negative: an empty scene, which every ray misses
     double padding_ = 0.0;
 };
 
 }  // namespace
+
+void check_embree(RTCDevice device)
+{
+    const RTCError code = rtcGetDeviceError(device);
+    if (code == RTC_ERROR_NONE) return;
+    if (code == RTC_ERROR_OUT_OF_MEMORY) throw Error(ErrorKind::memory, "out of memory while building the acceleration structure");
+    throw Error(ErrorKind::internal, "Embree reports error " + std::to_string(static_cast<int>(code)));
+}
 
 std::unique_ptr<Tracer> make_embree_tracer(std::span<const Shape> shapes, const TracerOptions& options)
 {

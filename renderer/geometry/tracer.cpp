@@ -5,7 +5,7 @@
 
 #include "renderer/geometry/tracer.h"
 
-#include "renderer/geometry/triangle.h"
+#include "renderer/geometry/instance.h"
 
 namespace hoodoo
 {
@@ -49,6 +49,11 @@ bool Tracer::occluded(const Ray& ray) const
 Interaction Tracer::interact(const Ray& ray, const TraceHit& hit) const
 {
     const Shape& shape = shapes_[hit.object];
+    if (hit.instance != kNoInstance) {
+        const Instances& instances = *instances_of(shape);
+        return interact_instance(instances, hit.instance, hit.patch.index, ray, {hit.t, hit.barycentric},
+                                 instance_error(instances.instances[hit.instance].mesh, hit.object));
+    }
     if (const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shape)) {
         Hit local;
         local.t = hit.t;

@@ -11,14 +11,17 @@
 namespace hoodoo
 {
 
+constexpr std::uint32_t kNoInstance = 0xffffffffu;
+
 /// The winner of a ray over all objects: small; Tracer::interact tells the rest.
 struct TraceHit {
     double t = kInfinity;
-    std::uint32_t object = 0;       ///< index into the shapes the tracer was built from
-    PatchId patch;                  ///< of a Surface; for a mesh `index` is the triangle
-    Vec2d barycentric{0.0};         ///< mesh only
-    std::uint32_t evaluations = 0;  ///< cost of the ray, set on a miss too
-    bool valid = false;             ///< whether anything was hit
+    std::uint32_t object = 0;              ///< index into the shapes the tracer was built from
+    PatchId patch;                         ///< of a Surface; for a mesh `index` is the triangle
+    Vec2d barycentric{0.0};                ///< mesh only
+    std::uint32_t instance = kNoInstance;  ///< index into the object's Instances
+    std::uint32_t evaluations = 0;         ///< cost of the ray, set on a miss too
+    bool valid = false;                    ///< whether anything was hit
 };
 
 /// Immutable but for update(), thread-safe. Keeps references to the shapes: they must outlive it.
@@ -45,6 +48,8 @@ protected:
     virtual bool find_any(const Ray& ray) const = 0;
     /// How far, in metres, a point that this tracer finds on a triangle may lie from the mesh as given, its own rounding included. 0: not at all.
     virtual double triangle_error() const { return 0.0; }
+    /// The same for a mesh of the object's instances, in the mesh's own space.
+    virtual double instance_error(std::uint32_t /*mesh*/, std::uint32_t /*object*/) const { return 0.0; }
     std::span<const Shape> shapes_;
 
 private:

@@ -60,6 +60,11 @@ Json info_json(const LoadedScene& loaded)
                                  {"trace_bytes", i.trace_bytes},
                                  {"patches", i.patches},
                                  {"build_seconds", i.build_seconds}};
+        if (i.rocks.instances > 0)
+            terrains[object.name]["rocks"] = {{"instances", i.rocks.instances},
+                                              {"per_tile", i.rocks.per_tile},
+                                              {"tile_seconds", i.rocks.tile_seconds},
+                                              {"instancing_seconds", i.rocks.instancing_seconds}};
     }
     Json lights = Json::object();
     for (const DescribedNode& light : loaded.description.lights) lights[light.name] = {{"type", light.type}};

@@ -5,6 +5,7 @@
 
 #include "renderer/scene/scene.h"
 
+#include "renderer/geometry/instance.h"
 #include "renderer/scene/terrains.h"
 
 #include <algorithm>
@@ -31,6 +32,7 @@ SceneParts make_parts(const Description& description, const SceneOptions& option
 std::vector<std::string> materials_of(const Shape& shape)
 {
     if (const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shape)) return (*surface)->materials();
+    if (const auto* instances = std::get_if<Instances>(&shape)) return {instances->material};
     return {std::get<TriangleMesh>(shape).material};
 }
 
@@ -79,14 +81,21 @@ void Scene::describe_objects()
             objects_[i].info = (*surface)->info();
             for (std::uint32_t tile = 0; tile < (*surface)->tile_count(); ++tile)
                 for (std::uint32_t k = 0; k < (*surface)->patch_count(tile); ++k) extend(bounds_, (*surface)->patch_bounds({tile, k}));
-        } else {
-            const TriangleMesh& mesh = std::get<TriangleMesh>(shapes_[i]);
-            objects_[i].info.patches = mesh.triangles.size();
-            objects_[i].info.trace_bytes = mesh.vertices.size() * sizeof(Vec3f) + mesh.triangles.size() * sizeof(mesh.triangles[0]) +
-                                           mesh.normals.size() * sizeof(Vec3f) + mesh.uvs.size() * sizeof(Vec2f);
-            Box3d box;
-            for (const Vec3f& v : mesh.vertices) box.extendBy(mesh.origin + Vec3d(v));
-            extend(bounds_, box);
+        } else if (const auto* mesh = std::get_if<TriangleMesh>(&shapes_[i])) {
+            objects_[i].info.patches = mesh->triangles.size();
+            objects_[i].info.trace_bytes = mesh_bytes(*mesh);
+            extend(bounds_, mesh_bounds(*mesh));
+        }
+        if (const Instances* instances = instances_of(shapes_[i])) {
+            objects_[i].info.rocks = instances->rocks;
+            objects_[i].info.patches += instances->instances.size();
+            objects_[i].info.trace_bytes += instances->instances.size() * sizeof(Instance);
+            std::vector<Box3d> boxes;
+            for (const TriangleMesh& mesh : instances->meshes) {
+                objects_[i].info.trace_bytes += mesh_bytes(mesh);
+                boxes.push_back(mesh_bounds(mesh));
+            }
+            for (const Instance& instance : instances->instances) extend(bounds_, instance_bounds(instance, boxes[instance.mesh]));
         }
     }
 }

@@ -68,6 +68,7 @@ struct Settings {
     float coat = 0.0f;
     double contrast = 1.0;
     double variation = 0.0;
+    double tint = 0.0;
     double bump = 1.0;
     double scale = 1.0;  ///< metres a repeat
     double exponent = 8.0;
@@ -83,6 +84,35 @@ public:
     explicit MaterialLook(Settings settings) : s_(std::move(settings)) { match_mean(); }
 
     Appearance appearance(const Interaction& at, double footprint) const override
+    {
+        Appearance a = in_texture_space(at, footprint);
+        if (at.instance != 0 && s_.tint > 0.0) a.albedo = inside_unit_cube(a.albedo * instance_tint(at.look_seed));
+        return a;
+    }
+
+private:
+    /// On a turned instance the axes of the projections turn with it: normals go into its space and come back.
+    Appearance in_texture_space(const Interaction& at, double footprint) const
+    {
+        if (at.texture_to_world.v == Vec3d(0.0)) return untinted(at, footprint);
+        const Imath::Quatd to_texture = at.texture_to_world.inverse();
+        Interaction turned = at;
+        turned.geometric_normal = rotated(to_texture, at.geometric_normal);
+        turned.shading_normal = rotated(to_texture, at.shading_normal);
+        Appearance a = untinted(turned, footprint);
+        a.normal = rotated(at.texture_to_world, a.normal);
+        return a;
+    }
+
+    /// Stones of one place differ in brightness more than in hue: a grey factor, and a quarter of it between warm and cold.
+    Vec3f instance_tint(std::uint32_t seed) const
+    {
+        const double grey = 1.0 + s_.tint * (2.0 * unit_real(hash_cell(s_.seed, seed, 0)) - 1.0);
+        const double warm = 0.25 * s_.tint * (2.0 * unit_real(hash_cell(s_.seed, seed, 1)) - 1.0);
+        return Vec3f(static_cast<float>(grey * (1.0 + warm)), static_cast<float>(grey), static_cast<float>(grey * (1.0 - warm)));
+    }
+
+    Appearance untinted(const Interaction& at, double footprint) const
     {
         Pattern pattern = evaluate_procedure(s_.procedure, s_.palette, s_.seed, at, footprint);
         Appearance a;
@@ -102,7 +132,6 @@ public:
         return a;
     }
 
-private:
     /// The procedure's mean over many places and directions, and from it contrast and tint.
     void match_mean();
 
@@ -170,6 +199,7 @@ Settings procedural_settings(const std::string& name, Procedure procedure, const
     s.roughness = kRoughness[static_cast<std::size_t>(procedure)];
     s.variation = procedure == Procedure::plain || procedure == Procedure::water ? 0.0 : 0.08;
     s.coat = procedure == Procedure::water ? 1.0f : 0.0f;
+    s.tint = s.variation > 0.0 ? 0.25 : 0.0;
     return s;
 }
 
@@ -261,6 +291,11 @@ const Schema& material_schema()
              .doc = "Relative change of the albedo on scales of 10 to 100 m. Default: 0 for plain, 0.08 for procedural looks, 0.12 for images",
              .minimum = 0.0,
              .maximum = 1.0},
+            {.name = "tint",
+             .type = ParameterType::number,
+             .doc = "Relative change of the albedo from one instance to the next (rocks). Default: 0 for plain, 0.25 else",
+             .minimum = 0.0,
+             .maximum = 1.0},
             {.name = "contrast",
              .type = ParameterType::number,
              .doc = "Of a procedural look's colours about their mean",
@@ -286,9 +321,10 @@ std::unique_ptr<Look> make_look(const std::string& name, const Values& values, c
                                                          : procedure_for(name);
     Settings s = procedural_settings(name, procedure, to_rendering);
     add_textures(s, values, to_rendering, resolve);
-    if (s.albedo) s.variation = 0.12;
+    if (s.albedo) s.variation = 0.12, s.tint = 0.25;
     if (values.has("roughness")) s.roughness = static_cast<float>(values.number("roughness"));
     if (values.has("coat")) s.coat = static_cast<float>(values.number("coat"));
+    if (values.has("tint")) s.tint = values.number("tint");
     if (values.has("variation")) s.variation = values.number("variation");
     s.contrast = values.number("contrast");
     s.bump = values.number("bump");

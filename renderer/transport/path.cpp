@@ -119,6 +119,7 @@ void record_first_hit(const Scene& scene, const Vertex& v, double time, std::uin
     out.geometric_normal = Vec3f(v.at.geometric_normal);
     out.albedo = v.look.albedo;
     out.object = object + 1;
+    out.instance = v.at.instance;
     const std::vector<std::uint32_t>& names = scene.objects()[object].materials;
     for (std::size_t i = 0; i < v.at.materials.count; ++i) {
         const std::size_t index = v.at.materials.index[i];

@@ -4,6 +4,7 @@
 
 #include <Imath/ImathBox.h>
 #include <Imath/ImathMatrix.h>
+#include <Imath/ImathQuat.h>
 #include <Imath/ImathVec.h>
 
 #include <cmath>
@@ -51,6 +52,13 @@ struct Ray {
 inline bool is_finite(const Vec3d& v)
 {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// `v` turned by the unit quaternion `q`: v + 2 r (u x v) + 2 u x (u x v) with q = (r, u). (Imath's own function depends on its row vectors.)
+inline Vec3d rotated(const Imath::Quatd& q, const Vec3d& v)
+{
+    const Vec3d u = q.v, c = u.cross(v) * 2.0;
+    return v + c * q.r + u.cross(c);
 }
 
 /// Two unit vectors that complete the unit vector `n` to a right-handed orthonormal frame (Duff2017, no branch on n.z's neighbourhood of -1).

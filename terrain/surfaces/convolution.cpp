@@ -1,12 +1,12 @@
 // A layer stack seen through its convolution field: smooth cliffs, arches and caves, met by rays directly, without a mesh.
 // Peytavie2009, sections 3 and 5: f = 1 - V/(4 sigma^3) of the ground (stack/convolution.h); materials blended by their visible shares.
-// Bodies: the ground (`materials` of the stack, one field) and, with rocks = "surface", the rock layers as a second body of their own, so that
-// nothing is invisible until rocks are instanced. Each has its own patches; tiles of the bodies follow one another. interact() refines the patch's
-// hit on the field itself in double precision: a bracket around t, then bisection with secant steps. Geometric normal: the field's gradient
-// (one-sided). Shading normal: central differences with half-width `normal_width` (continuous). Deviations: the paper polygonises; its triplanar
-// weights belong to the renderer. Surfaces exist over the grid's rectangle only: with `extend` the edge columns go on for the field's sake (no wall
-// at the edge), but rays beyond it meet nothing. Water is a body without a field, flat on top (march/water_patches.h), after all others.
-// Missing: rocks as instances.
+// Rock layers are filled with instanced rocks (rocks = "instances", terrain/rocks), which belong to the surface but are no part of its verbs.
+// Bodies: the ground (`materials` of the stack, one field) and, with rocks = "surface", the rock layers as a second, smooth body of their own. Each
+// has its own patches; tiles of the bodies follow one another. interact() refines the patch's hit on the field itself in double precision: a bracket
+// around t, then bisection with secant steps. Geometric normal: the field's gradient (one-sided). Shading normal: central differences with half-width
+// `normal_width` (continuous). Deviations: the paper polygonises; its triplanar weights belong to the renderer. Surfaces exist over the grid's
+// rectangle only: with `extend` the edge columns go on for the field's sake (no wall at the edge), but rays beyond it meet nothing. Water is a body
+// without a field, flat on top (march/water_patches.h), after all others. Missing: rocks are not placed anew by an edit.
 #include "terrain/surfaces/convolution.h"
 
 #include "terrain/error.h"
@@ -16,6 +16,7 @@
 #include "terrain/stack/columns_around.h"
 #include "terrain/stack/visible.h"
 #include "terrain/surfaces/refine.h"
+#include "terrain/surfaces/rock_source.h"
 #include "terrain/surfaces/rows.h"
 #include "terrain/surfaces/stack_source.h"
 
@@ -97,6 +98,15 @@ public:
         return Box3d(stack_->origin() - Vec3d(sigma, sigma, sigma + below), stack_->origin() + size + Vec3d(sigma));
     }
 
+    /// Rocks that lie on the ground; their material joins the names.
+    void add_rocks(Instances rocks)
+    {
+        rocks_ = std::move(rocks);
+        const auto found = std::find(names_.begin(), names_.end(), rocks_.material);
+        rocks_.material_index = static_cast<std::uint8_t>(found - names_.begin());
+        if (found == names_.end()) names_.push_back(rocks_.material);
+    }
+
     void set_build_seconds(double seconds) { build_seconds_ = seconds; }
 
     std::uint32_t tile_count() const override { return tiles_; }
@@ -176,6 +186,7 @@ public:
     }
 
     std::vector<std::string> materials() const override { return names_; }
+    const Instances* instances() const override { return rocks_.instances.empty() ? nullptr : &rocks_; }
     bool closed() const override { return bodies_.front().field->ground().border() == Border::cut; }
 
     /// Two bodies have no common field.
@@ -295,6 +306,7 @@ private:
     std::uint32_t first_water_tile_ = 0;
     std::uint32_t tiles_ = 0;
     std::vector<std::string> names_;
+    Instances rocks_;
     std::array<std::uint8_t, kMaterialCount> index_of_{};
     double build_seconds_ = 0.0;
 };
@@ -352,6 +364,10 @@ Shape make_convolution(const Values& values, const BuildContext& context)
         surface->add_body(rock, sigma, choose_intersector(values, rock, sigma));
     }
     if (values.text("water") == "surface" && !ground.contains(Material::water) && has_material(*stack, Material::water)) surface->add_water();
+    if (rocks == "instances" && !ground.contains(Material::rock)) {
+        Instances lying = stack_rocks(stack, border, values, context);
+        if (!lying.instances.empty()) surface->add_rocks(std::move(lying));
+    }
     surface->set_build_seconds(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     return surface;
 }
@@ -387,9 +403,9 @@ CatalogueEntry convolution_row()
          .max_count = 5},
         {.name = "rocks",
          .type = ParameterType::choice,
-         .doc = "Rock layers: a surface of their own, part of the ground, or not traced.",
-         .fallback = std::string("surface"),
-         .choices = {"surface", "ground", "hidden"}},
+         .doc = "Rock layers: single rocks that touch, a smooth surface of their own, part of the ground, or not traced.",
+         .fallback = std::string("instances"),
+         .choices = {"instances", "surface", "ground", "hidden"}},
         {.name = "water",
          .type = ParameterType::choice,
          .doc = "Water layers: a flat surface of their own, or not traced.",
@@ -419,6 +435,7 @@ CatalogueEntry convolution_row()
          .minimum = 0.01,
          .maximum = 8},
     };
+    for (Parameter& p : rock_parameters(0.0)) schema.parameters.push_back(std::move(p));
     schema.parameters.insert(schema.parameters.end(), own.begin(), own.end());
     return {"convolution", "Peytavie2009", std::move(schema), make_convolution, make_stack};
 }

@@ -11,5 +11,6 @@ CatalogueEntry mesh_row();
 CatalogueEntry convolution_row();
 CatalogueEntry warped_row();
 CatalogueEntry canyon_row();
+CatalogueEntry rock_pile_row();
 
 }  // namespace hoodoo

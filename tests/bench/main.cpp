@@ -3,6 +3,7 @@
 #include "tests/bench/edit.h"
 #include "tests/bench/path.h"
 #include "tests/bench/report.h"
+#include "tests/bench/rocks.h"
 #include "tests/bench/trace.h"
 #include "tests/bench/warp.h"
 
@@ -13,7 +14,7 @@ int main(int argc, char** argv)
 {
     using namespace hoodoo::bench;
     const std::map<std::string, nlohmann::json (*)(bool)> benchmarks{
-        {"edit", edit_benchmark}, {"path", path_benchmark}, {"trace", trace_benchmark}, {"warp", warp_benchmark}};
+        {"edit", edit_benchmark}, {"path", path_benchmark}, {"rocks", rocks_benchmark}, {"trace", trace_benchmark}, {"warp", warp_benchmark}};
     std::string name;
     bool full = true;
     for (int i = 1; i < argc; ++i) {

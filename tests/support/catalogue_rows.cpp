@@ -77,6 +77,23 @@ std::string carved_block(const Vec3d& shift, const std::string& more)
 
 }  // namespace
 
+TriangleMesh flattened(const Instances& instances)
+{
+    TriangleMesh out;
+    out.material = instances.material;
+    if (!instances.instances.empty()) out.origin = instances.instances[0].position;
+    for (const Instance& instance : instances.instances) {
+        const TriangleMesh& mesh = instances.meshes[instance.mesh];
+        const auto first = static_cast<std::uint32_t>(out.vertices.size());
+        const Imath::Quatd turn = Imath::Quatd(instance.rotation.r, Vec3d(instance.rotation.v)).normalized();
+        for (const Vec3f& v : mesh.vertices)
+            out.vertices.emplace_back(rotated(turn, mesh.origin + Vec3d(v)) * instance.scale + instance.position - out.origin);
+        for (const Vec3f& n : mesh.normals) out.normals.emplace_back(rotated(turn, Vec3d(n)));
+        for (const auto& t : mesh.triangles) out.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+    return out;
+}
+
 const std::vector<RowInstance>& row_instances()
 {
     static const std::vector<RowInstance> rows{
@@ -120,6 +137,10 @@ const std::vector<RowInstance>& row_instances()
                  vector_text(s), vector_text(Vec3d(2, 1, 2) + s));
          },
          0.9},
+        {"rock_pile", "rock_pile",
+         [](const Vec3d& s) {
+             return fmt::format("base = {}\nsize = [3.4, 3.0, 1.6]\nrocks_per_tile = 12\nrock_detail = 3\nform = \"bed\"\n", vector_text(s));
+         }},
     };
     return rows;
 }
@@ -151,6 +172,10 @@ BuiltRow build_row(const RowInstance& instance, const Vec3d& shift)
     };
     BuiltRow built;
     built.shape = std::make_unique<Shape>(entry->make(values, context));
+    if (const auto* instances = std::get_if<Instances>(built.shape.get())) {
+        built.flat = std::make_unique<TriangleMesh>(flattened(*instances));
+        built.mesh = std::make_unique<MeshSurface>(*built.flat);
+    }
     if (const auto* mesh = std::get_if<TriangleMesh>(built.shape.get())) built.mesh = std::make_unique<MeshSurface>(*mesh);
     return built;
 }

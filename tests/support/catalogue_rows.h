@@ -24,9 +24,13 @@ const std::vector<RowInstance>& row_instances();
 /// Builds an instance. Throws Error, with the text of all problems, if the parameters do not check. A mesh comes as a MeshSurface.
 struct BuiltRow {
     std::unique_ptr<Shape> shape;
-    std::unique_ptr<Surface> mesh;  ///< the adaptor, if the shape is a mesh
+    std::unique_ptr<TriangleMesh> flat;  ///< instances as one mesh
+    std::unique_ptr<Surface> mesh;       ///< the adaptor, if the shape is a mesh or instances of meshes
     const Surface& surface() const;
 };
+/// All instances as one mesh in world space, around the first one's position.
+TriangleMesh flattened(const Instances& instances);
+
 BuiltRow build_row(const RowInstance& instance, const Vec3d& shift = Vec3d(0.0));
 
 }  // namespace hoodoo::testing
