@@ -1,9 +1,10 @@
 // Instances of shared meshes behind one user geometry: a primitive is a similarity, and its callback traces the mesh's own tree.
 //
 // Embree's own instances would do the same with the same one level (Debian builds it with no more), but each is a geometry object of its own, and
-// its ray is transformed in single precision around the scene's origin. tests/bench/rocks.cpp measures both: the user geometry needs a fraction of
-// the memory and builds faster, and its rays cost about the same. The callback transforms the caller's ray in double precision, advances it to the
-// mesh before it is rounded, and so keeps the precision of the mesh's own size at any distance from the origin.
+// its ray is transformed in single precision around the scene's origin. Measured (bench rocks, 10^6 rocks of 2880 triangles): 74 MB and 1.1 s against
+// 374 MB and 1.6 s; 1.1 against 1.3 million camera rays a second on one thread, 0.44 against 0.50 in random order; among 10^3 rocks 1.7 against 2.5.
+// Memory decides, and one way for all numbers. The callback transforms the caller's ray in double precision, advances it to the mesh before it is
+// rounded, and so keeps the precision of the mesh's own size at any distance from the origin.
 
 #include "renderer/geometry/embree_instances.h"
 

@@ -17,6 +17,10 @@ namespace hoodoo
 
 InstanceFrame::InstanceFrame(const Instance& instance) : position(instance.position), scale(instance.scale)
 {
+    if (instance.rotation.v == Vec3f(0.0f)) {  // most rocks are not turned
+        x = Vec3d(1, 0, 0), y = Vec3d(0, 1, 0), z = Vec3d(0, 0, 1);
+        return;
+    }
     rotation = Imath::Quatd(instance.rotation.r, Vec3d(instance.rotation.v)).normalized();
     x = rotated(rotation, Vec3d(1, 0, 0)), y = rotated(rotation, Vec3d(0, 1, 0)), z = rotated(rotation, Vec3d(0, 0, 1));
 }

@@ -1,9 +1,10 @@
 // Beds of 10^3 to 10^6 rocks that fill the same picture, traced three ways: by the product (one user geometry, a primitive an instance, transforms in
 // double precision), by Embree's own instances (one geometry object each), and, as the unit of time, the product with a thousand rocks.
 //
-// Memory is the growth of the process while the structure is built, meshes included. Shape: axes are caliper extents; the
-// sphericity is Wadell's, surface of the ball of equal volume over surface. Beside them stand measured fragments from the literature
-// (shape_statistics).
+// Memory is the growth of the process while the structure is built, meshes included. Shape: axes a >= b >= c are caliper extents; the sphericity is
+// Wadell's, surface of the ball of equal volume over surface. Two measures of clasts stand beside them: the classes of Blott2008 (b/a and c/b over
+// 0.8 are "not elongate, not flat") and the index C40 of Benn1994, the share of clasts with c/a <= 0.4, which is high for frost-shattered debris and
+// low for rounded: our rocks are equant blocks, and flat slabs need rock_shape.
 
 #include "tests/bench/rocks.h"
 
@@ -19,6 +20,7 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <map>
 #include <numeric>
 #include <unistd.h>
 
@@ -54,15 +56,17 @@ private:
     Vec3d size_;
 };
 
-/// Rays from one hemisphere of directions onto the whole bed: the same coverage whatever its size. Origins at a distance of a tenth of its width.
-std::vector<Ray> rays_onto(const Vec3d& size, std::size_t count, bool grazing)
+/// The pixels of a square picture that the bed fills, row by row, all in one direction: the same coverage whatever its size. Or the same rays in
+/// random order, as after many scatterings. Origins lie 3 m before the bed's top.
+std::vector<Ray> rays_onto(const Vec3d& size, int width, double down, bool shuffled)
 {
-    std::vector<Ray> rays(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const auto u = [&](int k) { return unit_real(hash_cell(grazing ? 8 : 7, static_cast<std::int64_t>(i), k)); };
-        const Vec3d target(size.x * (0.1 + 0.8 * u(0)), size.y * (0.1 + 0.8 * u(1)), size.z);
-        const double down = grazing ? 0.2 : 0.8, angle = 2.0 * M_PI * u(2);
-        rays[i].direction = Vec3d(std::sqrt(1.0 - down * down) * std::cos(angle), std::sqrt(1.0 - down * down) * std::sin(angle), -down);
+    std::vector<Ray> rays(static_cast<std::size_t>(width * width));
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const std::size_t pixel = shuffled ? hash_cell(7, static_cast<std::int64_t>(i), 0) % rays.size() : i;
+        const double u = (static_cast<double>(pixel % static_cast<std::size_t>(width)) + 0.5) / width;
+        const double v = (static_cast<double>(pixel / static_cast<std::size_t>(width)) + 0.5) / width;
+        const Vec3d target(size.x * (0.1 + 0.8 * u), size.y * (0.1 + 0.8 * v), size.z);
+        rays[i].direction = Vec3d(0.6 * std::sqrt(1.0 - down * down), 0.8 * std::sqrt(1.0 - down * down), -down);
         rays[i].origin = target - rays[i].direction * 3.0;
     }
     return rays;
@@ -150,7 +154,7 @@ struct Measured {
     std::unique_ptr<std::vector<Shape>> shapes;
     std::unique_ptr<Tracer> tracer;
     std::unique_ptr<EmbreeOwn> own;
-    std::vector<Ray> steep, grazing;
+    std::map<std::string, std::vector<Ray>> rays;
     nlohmann::json facts;
 };
 
@@ -182,8 +186,9 @@ Measured build(std::size_t wanted)
     m.own = std::make_unique<EmbreeOwn>(std::get<Instances>((*m.shapes)[0]));
     m.facts["embree_instances_seconds"] = seconds_since(start);
     m.facts["embree_instances_megabytes"] = resident_megabytes() - before;
-    m.steep = rays_onto({side, side, 4.0}, 40000, false);
-    m.grazing = rays_onto({side, side, 4.0}, 40000, true);
+    m.rays["steep"] = rays_onto(bed.bounds().max, 512, 0.8, false);
+    m.rays["grazing"] = rays_onto(bed.bounds().max, 512, 0.2, false);
+    m.rays["random_order"] = rays_onto(bed.bounds().max, 512, 0.8, true);
     return m;
 }
 
@@ -263,9 +268,9 @@ nlohmann::json rocks_benchmark(bool full)
         sizes.push_back(build(wanted));
     std::vector<Task> tasks;
     for (const Measured& m : sizes) {
-        for (const bool grazing : {false, true}) {
-            const std::vector<Ray>& rays = grazing ? m.grazing : m.steep;
-            const std::string group = std::string(grazing ? "grazing/" : "steep/") + std::to_string(m.rocks);
+        for (const auto& [set, all] : m.rays) {
+            const std::vector<Ray>& rays = all;
+            const std::string group = set + "/" + std::to_string(m.rocks);
             tasks.push_back({group, "user_geometry", rays.size(), [&m, &rays] {
                                  for (const Ray& ray : rays) benchmark_keep(m.tracer->intersect(ray).t);
                              }});
@@ -276,9 +281,9 @@ nlohmann::json rocks_benchmark(bool full)
     }
     const auto rates = measure(tasks);
     for (Measured& m : sizes) {
-        for (const char* set : {"steep", "grazing"}) {
+        for (const auto& [set, rays] : m.rays) {
             for (const char* method : {"user_geometry", "embree_instances"}) {
-                const auto rate = [&](std::size_t rocks) { return rates.at(std::string(set) + "/" + std::to_string(rocks) + "/" + method); };
+                const auto rate = [&, name = set](std::size_t rocks) { return rates.at(name + "/" + std::to_string(rocks) + "/" + method); };
                 m.facts[set][method] = {{"rays_per_second", rate(m.rocks)}, {"time_over_smallest", rate(sizes.front().rocks) / rate(m.rocks)}};
             }
         }
