@@ -206,6 +206,9 @@ std::string scene_json_schema()
           {"description", "Defaults that -D name=value replaces."}}},
     };
     for (const Section& section : scene_sections()) properties[section.name] = section_schema(section);
+    // A camera stands at one place, or moves along keys: what the camera itself checks, for editors.
+    Json& camera = properties["camera"];
+    if (camera.contains("properties")) camera["anyOf"] = {{{"required", {"eye", "target"}}}, {{"required", {"key"}}}};
     const Json schema{
         {"$schema", "http://json-schema.org/draft-07/schema#"},
         {"title", "Hoodoo scene"},
