@@ -92,8 +92,9 @@ public:
 
     bool intersect(PatchId id, const Ray& ray, Hit& hit) const override
     {
-        double a = ray.t_min, b = hit.t;
-        if (!clip(patch_bounds(id), ray, a, b)) return false;
+        // The whole of the box, whatever was found before: a crossing must not depend on the order in which boxes are met.
+        double a = ray.t_min, b = ray.t_max;
+        if (!clip(patch_bounds(id), ray, a, b) || a >= hit.t) return false;
         double t = 0.0;
         const FieldPatch& patch = tiles_[id.tile].patches[id.index];
         const bool found =
