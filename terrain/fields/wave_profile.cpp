@@ -67,6 +67,17 @@ double angle_of(double x, double z, bool left)
     return left && (a > 0.0 || (x == 0.0 && z > 0.0)) ? a - 2.0 * kPi : a;
 }
 
+/// 0 at a <= 0, 1 at a >= 1, and once differentiable.
+double smooth(double a)
+{
+    a = std::clamp(a, 0.0, 1.0);
+    return a * a * (3.0 - 2.0 * a);
+}
+double smooth_slope(double a)
+{
+    return a > 0.0 && a < 1.0 ? 6.0 * a * (1.0 - a) : 0.0;
+}
+
 /// Distances from the centre to a box.
 Interval radius_of(const Interval& x, const Interval& z)
 {
@@ -150,10 +161,22 @@ WaveOrigin WaveProfile::parabolic(const Vec2d& p, double duration) const
     const double q = -p.x, d = std::sqrt(p.y * p.y + 2.0 * q * q), r = parabola_radius(q, p.y), flown = flight(q, p.y);
     const Vec2d gr = d > 0.0 ? Vec2d(p.x, r) / d : Vec2d(0.0, 1.0);
     const double psi = turn(r) * duration - flown;
-    if (!(psi > 0.0) || psi >= 2.0 * kPi) {
+    if (psi >= 2.0 * kPi) {
         origin.at = Vec2d(0.0, r);
         origin.by_x = Vec2d(0.0, gr.x);
         origin.by_z = Vec2d(0.0, gr.y);
+        return origin;
+    }
+    if (!(psi > 0.0)) {
+        const double rho = p.length(), far = smooth(-psi), turning = smooth_slope(-psi);
+        Vec2d g = gr + (rho > 0.0 ? p * (far / rho) : Vec2d(0.0));
+        if (turning > 0.0) {
+            g -= (gr * (duration * shear(r) + flown) + Vec2d(1.0, 0.0)) * (rho / r * turning);
+            origin.by_duration.y = -rho * turning * turn(r);
+        }
+        origin.at = Vec2d(0.0, r + rho * far);
+        origin.by_x = Vec2d(0.0, g.x);
+        origin.by_z = Vec2d(0.0, g.y);
         return origin;
     }
     const double c = std::cos(psi), s = std::sin(psi), k = duration * shear(r) + flown, v = speed(r);
@@ -214,6 +237,7 @@ WaveBound WaveProfile::circular_bound(const Interval& x, const Interval& z, cons
         if (rho.lo < shape_.core) bound.duration_slope = std::max(bound.duration_slope, 1.0 / shape_.core + fast);
     }
     bound.duration_second = v * fast;
+    bound.x0_bends = partly && !clamped;
     return bound;
 }
 
@@ -242,14 +266,30 @@ WaveBound WaveProfile::parabolic_bound(const Interval& x, const Interval& z, con
 
     WaveBound bound;
     const double v = r.lo <= shape_.core && r.hi >= shape_.core ? 1.0 : std::max(speed(std::max(r.lo, 0.0)), speed(r.hi));
+    const double from_core = std::max(r.lo, shape_.core), h_all = r.hi <= shape_.core ? 0.0 : std::abs(shear(std::nextafter(from_core, kInfinity)));
+
+    // Where no water has flown: r + rho S. While S rises, q / r <= omega T + 1 =: Q, so that rho / r <= Q sqrt(1 + Q^2).
+    const Interval rho = radius_of(x, z), far{smooth(-psi.hi), smooth(-psi.lo)};
+    const double rising =
+        psi.lo >= 0.0 || psi.hi <= -1.0 ? 0.0 : smooth_slope(std::clamp(0.5, std::clamp(-psi.hi, 0.0, 1.0), std::clamp(-psi.lo, 0.0, 1.0)));
+    const double most = cap + 1.0, pull = rising * most * std::sqrt(1.0 + most * most) * (duration.hi * h_all + most + 1.0);
+    const Interval air_z0 = wider(r + times(rho, far), r.hi + rho.hi), away[2] = {{-1.0, 0.0}, {z.lo >= 0.0 ? 0.0 : -1.0, z.hi <= 0.0 ? 0.0 : 1.0}};
+    const auto air_gradient = [&](int k) { return wider(gr[k] + times(far, away[k]) + Interval{-pull, pull}, 2.0 + pull); };
+    const double air_by_duration = rho.hi * rising * fast;
+    double air_second = d_least > 0.0 ? 1.0 / d_least : kInfinity;
+    if (far.hi > 0.0) air_second += rho.lo > 0.0 ? 1.0 / rho.lo : kInfinity;
+    if (rising > 0.0) air_second = kInfinity;
     if (clamped) {
         bound.x0 = {0.0, 0.0};
-        bound.z0 = r;
+        bound.z0 = air_z0;
         for (auto* by : {bound.by_x, bound.by_z}) by[0] = {0.0, 0.0};
-        bound.by_x[1] = gr[0];
-        bound.by_z[1] = gr[1];
-        bound.by_duration[0] = bound.by_duration[1] = {0.0, 0.0};
-        bound.second = d_least > 0.0 ? 1.0 / d_least : kInfinity;
+        bound.by_x[1] = air_gradient(0);
+        bound.by_z[1] = air_gradient(1);
+        bound.by_duration[0] = {0.0, 0.0};
+        bound.by_duration[1] = {-air_by_duration, 0.0};
+        bound.second = air_second;
+        bound.duration_slope = rising > 0.0 ? kInfinity : 0.0;
+        bound.duration_second = rising > 0.0 ? kInfinity : 0.0;
         return bound;
     }
     const Interval angle{std::clamp(psi.lo, 0.0, 2.0 * kPi), std::clamp(psi.hi, 0.0, 2.0 * kPi)};
@@ -268,11 +308,12 @@ WaveBound WaveProfile::parabolic_bound(const Interval& x, const Interval& z, con
         bound.by_x[i] = wider(times(along[i], gr[0]) + straight[i], size);
         bound.by_z[i] = wider(times(along[i], gr[1]), size);
         if (!partly) continue;
-        bound.by_x[i] = Interval::hull(bound.by_x[i], i == 0 ? Interval{0.0, 0.0} : gr[0]);
-        bound.by_z[i] = Interval::hull(bound.by_z[i], i == 0 ? Interval{0.0, 0.0} : gr[1]);
+        bound.by_x[i] = Interval::hull(bound.by_x[i], i == 0 ? Interval{0.0, 0.0} : air_gradient(0));
+        bound.by_z[i] = Interval::hull(bound.by_z[i], i == 0 ? Interval{0.0, 0.0} : air_gradient(1));
     }
+    if (psi.lo < 0.0) bound.z0 = Interval::hull(bound.z0, air_z0);
     bound.by_duration[0] = Interval::hull(times({0.0, v}, c), {0.0, 0.0});
-    bound.by_duration[1] = Interval::hull(times({0.0, v}, minus(s)), {0.0, 0.0});
+    bound.by_duration[1] = Interval::hull(times({0.0, v}, minus(s)), {-air_by_duration, 0.0});
 
     const bool rim = r_least < shape_.core && r.hi > shape_.core;
     if (rim || !(r_least > 0.0) || !(d_least > 0.0)) {
@@ -284,6 +325,11 @@ WaveBound WaveProfile::parabolic_bound(const Interval& x, const Interval& z, con
         bound.duration_slope = std::max(std::abs(speed_slope(from)), r_least < shape_.core ? 1.0 / shape_.core : 0.0) + v * turning;
     }
     bound.duration_second = v * fast;
+    bound.x0_bends = partly;
+    if (psi.lo < 0.0) {
+        bound.second = std::max(bound.second, air_second);
+        if (rising > 0.0) bound.duration_slope = bound.duration_second = kInfinity;
+    }
     return bound;
 }
 

@@ -28,7 +28,8 @@ struct WaveBound {
     Interval x0, z0;
     Interval by_x[2], by_z[2];  ///< of (x0, z0)
     Interval by_duration[2];
-    double second = 0.0;           ///< norm of the second derivative of either coordinate by (x, z); infinite across a kink
+    double second = 0.0;           ///< norm of the second derivative of either coordinate by (x, z); infinite across a kink of z0
+    bool x0_bends = false;         ///< the gradient of x0 jumps inside: at the edge of a clamp, in air
     double duration_slope = 0.0;   ///< norm of the gradient by (x, z) of the derivative by T
     double duration_second = 0.0;  ///< second derivative by T
 };

@@ -111,7 +111,7 @@ int violations(double scale, int boxes)
         const WaveProfile wave = profile(b % 2 ? "A" : "B");
         const WaveBound bound = s.parabolic ? wave.parabolic_bound(s.x, s.z, s.duration) : wave.circular_bound(s.x, s.z, s.duration);
         WaveOrigin last;
-        Vec2d last_p;
+        Vec2d last_p(0.0);
         for (int k = 0; k < 24; ++k) {
             const auto at = [&](const Interval& i, int n) {
                 return k < 8 ? ((k >> n) & 1 ? i.hi : i.lo) : i.lo + (i.hi - i.lo) * u(id * 24 + k, 20 + n);
@@ -148,7 +148,7 @@ TEST(WaveProfile, bounds_are_tight_on_small_boxes)
 {
     // A millimetre's box knows the field to a few millimetres where the wave shears least and most.
     const WaveProfile wave = profile("B");
-    for (const Vec2d p : {Vec2d(1.5, 0.5), Vec2d(-1.0, 1.2), Vec2d(-2.0, -1.0)}) {
+    for (const Vec2d& p : {Vec2d(1.5, 0.5), Vec2d(-1.0, 1.2), Vec2d(-2.0, -1.0)}) {
         const Interval x{p.x, p.x + 1e-3}, z{p.y, p.y + 1e-3}, t{3.0, 3.0};
         const WaveBound bound = p.x < 0.0 ? wave.parabolic_bound(x, z, t) : wave.circular_bound(x, z, t);
         EXPECT_LT(bound.z0.hi - bound.z0.lo, 0.02);
