@@ -172,13 +172,15 @@ def test_errors_are_value_errors_and_wrong_shapes_are_errors(stack):
         hoodoo.ConvolutionField(stack, 1.0).value([[1.0, 2.0]])
 
 
-def test_every_row_of_the_catalogue_is_listed_and_a_wrong_one_is_named():
+def test_every_row_of_the_catalogue_is_listed_and_a_wrong_one_is_named(tmp_path):
     names = [row["name"] for row in hoodoo.catalogue()]
     assert "mesh" in names and "convolution" in names
     with pytest.raises(hoodoo.Error, match="convolution"):
         hoodoo.field("convolutio")
+    (tmp_path / "one.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     with pytest.raises(hoodoo.Error, match="no field"):
-        hoodoo.field("plane")
+        hoodoo.field("mesh", file=str(tmp_path / "one.obj"))
+    assert hoodoo.field("plane").value([[0.0, 0.0, 2.0]]) == pytest.approx([2.0])
 
 
 FLAT = dict(columns=[8, 8], cell=1.0, sigma=1.0, layer=[dict(shape="flat", top=10.0, material="bedrock")])
