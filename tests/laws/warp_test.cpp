@@ -44,8 +44,8 @@ TEST(Warped, no_crossing_is_missed_whatever_the_flow_and_the_base)
     for (const std::string base : {"plane", "convolution_cut_sphere"}) {
         for (const std::string& flow : flow_texts()) {
             const BuiltRow built = build_row(warped(base, flow));
-            // 16 combinations: 2e4 rays in CI, 1e5 a combination nightly.
-            const std::vector<Ray> rays = law_rays(built.surface(), 31, count(300, 100000));
+            // 16 combinations: 2e4 rays in all in CI, 1e5 a combination nightly.
+            const std::vector<Ray> rays = law_rays(built.surface(), 31, count(1250, 100000));
             const Verdict verdict = nearest_is_nearest(built.surface(), rays, base == "plane" ? 0.9 : 1.0);
             EXPECT_TRUE(verdict.holds()) << base << ", " << flow << verdict.fault;
             EXPECT_TRUE(normals_are_gradients(built.surface(), rays).holds()) << base << ", " << flow;
