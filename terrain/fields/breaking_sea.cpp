@@ -9,6 +9,8 @@
 // branch takes over from the other inside water (the seam above the centre is C1 and has them).
 #include "terrain/fields/breaking_sea.h"
 
+#include "terrain/math/smoothstep.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -19,40 +21,6 @@ namespace
 {
 
 constexpr double kRounding = 1e-12;
-
-double smooth(double a)
-{
-    a = std::clamp(a, 0.0, 1.0);
-    return a * a * (3.0 - 2.0 * a);
-}
-double smooth_slope(double a)
-{
-    return a > 0.0 && a < 1.0 ? 6.0 * a * (1.0 - a) : 0.0;
-}
-/// The largest slope of the smoothstep over an interval.
-double steepest(const Interval& a)
-{
-    if (a.hi <= 0.0 || a.lo >= 1.0) return 0.0;
-    return smooth_slope(std::clamp(0.5, a.lo, a.hi));
-}
-
-Interval times_interval(const Interval& a, const Interval& b)
-{
-    const auto [lo, hi] = std::minmax({a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi});
-    return {lo, hi};
-}
-double magnitude(const Interval& a)
-{
-    return std::max(std::abs(a.lo), std::abs(a.hi));
-}
-Interval minus(const Interval& a)
-{
-    return {-a.hi, -a.lo};
-}
-Interval cut(const Interval& a, const Interval& b)
-{
-    return {std::max(a.lo, b.lo), std::min(a.hi, b.hi)};
-}
 
 /// Half-width of the white water, as a share of the outer radius.
 double bore_width(const Breaker& b)
@@ -88,8 +56,8 @@ struct BreakingSea::LifeBound {
     double duration_y = 0.0, duration_yy = 0.0, fallen_y = 0.0, fallen_yy = 0.0, white_y = 0.0, white_yy = 0.0;
 };
 
-BreakingSea::BreakingSea(std::vector<Breaker> breakers, std::vector<Swell> swell, double level, const Fade& fade)
-    : breakers_(std::move(breakers)), swell_(std::move(swell)), level_(level), fade_(fade)
+BreakingSea::BreakingSea(std::vector<Breaker> breakers, Swells swell, double level)
+    : breakers_(std::move(breakers)), swell_(std::move(swell)), level_(level)
 {
 }
 
@@ -98,12 +66,12 @@ BreakingSea::Life BreakingSea::life(const Breaker& b, double y, double t)
     const double root = std::sqrt(y * y + b.peel_width * b.peel_width);
     const double since = t - b.start - (root - b.peel_width) / b.peel, delay = y / root / b.peel;  // d(since)/dy = -delay
     Life l{};
-    const double a = since / b.steepening, k = smooth_slope(a) * b.intensity / b.steepening;
-    l.duration = b.intensity * smooth(a);
+    const double a = since / b.steepening, k = smoothstep_slope(a) * b.intensity / b.steepening;
+    l.duration = b.intensity * smoothstep(a);
     l.duration_t = k;
     l.duration_y = -k * delay;
-    const double tau = since - b.steepening, c = smooth_slope(tau / b.collapse) / b.collapse;
-    l.fallen = smooth(tau / b.collapse);
+    const double tau = since - b.steepening, c = smoothstep_slope(tau / b.collapse) / b.collapse;
+    l.fallen = smoothstep(tau / b.collapse);
     l.fallen_t = c;
     l.fallen_y = -c * delay;
     l.white = b.bore * std::exp(-std::max(0.0, tau) / b.decay);
@@ -114,94 +82,26 @@ BreakingSea::Life BreakingSea::life(const Breaker& b, double y, double t)
 
 BreakingSea::LifeBound BreakingSea::life_bound(const Breaker& b, const Interval& y, const Interval& times)
 {
-    const double near = std::max({0.0, y.lo, -y.hi}), far = magnitude(y);
+    const double near = std::max({0.0, y.lo, -y.hi}), far = y.magnitude();
     const auto lag = [&](double d) { return (std::sqrt(d * d + b.peel_width * b.peel_width) - b.peel_width) / b.peel; };
-    const double size = kRounding * (1.0 + magnitude(times) + std::abs(b.start) + lag(far));
+    const double size = kRounding * (1.0 + times.magnitude() + std::abs(b.start) + lag(far));
     const Interval since{times.lo - b.start - lag(far) - size, times.hi - b.start - lag(near) + size};
     const double delay = far / std::sqrt(far * far + b.peel_width * b.peel_width) / b.peel, delay_slope = 1.0 / (b.peel_width * b.peel);
     LifeBound l;
     const Interval a = since.scaled(1.0 / b.steepening), c = Interval{since.lo - b.steepening, since.hi - b.steepening}.scaled(1.0 / b.collapse);
-    l.duration = {b.intensity * smooth(a.lo), b.intensity * smooth(a.hi)};
-    l.fallen = {smooth(c.lo), smooth(c.hi)};
+    l.duration = {b.intensity * smoothstep(a.lo), b.intensity * smoothstep(a.hi)};
+    l.fallen = {smoothstep(c.lo), smoothstep(c.hi)};
     const auto bend = [](const Interval& i) { return i.hi <= 0.0 || i.lo >= 1.0 ? 0.0 : 6.0; };
     const double k = b.intensity / b.steepening;
-    l.duration_y = k * steepest(a) * delay;
-    l.duration_yy = k * (bend(a) / b.steepening * delay * delay + steepest(a) * delay_slope);
-    l.fallen_y = steepest(c) / b.collapse * delay;
-    l.fallen_yy = (bend(c) / b.collapse * delay * delay + steepest(c) * delay_slope) / b.collapse;
+    l.duration_y = k * smoothstep_steepest(a) * delay;
+    l.duration_yy = k * (bend(a) / b.steepening * delay * delay + smoothstep_steepest(a) * delay_slope);
+    l.fallen_y = smoothstep_steepest(c) / b.collapse * delay;
+    l.fallen_yy = (bend(c) / b.collapse * delay * delay + smoothstep_steepest(c) * delay_slope) / b.collapse;
     l.white = {b.bore * std::exp(-std::max(0.0, since.hi - b.steepening) / b.decay),
                b.bore * std::exp(-std::max(0.0, since.lo - b.steepening) / b.decay)};
     l.white_y = l.white.hi / b.decay * delay;
     l.white_yy = l.white.hi / b.decay * (delay * delay / b.decay + delay_slope);
     return l;
-}
-
-BreakingSea::Ripple BreakingSea::swell(const Vec2d& p, double t) const
-{
-    Ripple r;
-    for (const Swell& s : swell_) {
-        const double angle = s.wave_number.dot(p) - s.frequency * t + s.phase, down = -s.amplitude * std::sin(angle);
-        r.height += s.amplitude * std::cos(angle);
-        r.slope += s.wave_number * down;
-        r.by_time -= s.frequency * down;
-    }
-    // The fade: a product of two smoothsteps of the distances along x and y.
-    double weight = 1.0;
-    Vec2d change(0.0);
-    for (int k = 0; k < 2; ++k) {
-        const double d = p[k] - fade_.centre[k], width = fade_.outer - fade_.inner, a = (std::abs(d) - fade_.inner) / width;
-        const double w = 1.0 - smooth(a), slope = -smooth_slope(a) / width * (d < 0.0 ? -1.0 : 1.0);
-        change = change * w;
-        change[k] = weight * slope;
-        weight *= w;
-    }
-    return {r.height * weight, r.slope * weight + change * r.height, r.by_time * weight};
-}
-
-BreakingSea::RippleBound BreakingSea::swell_bound(const Interval& x, const Interval& y, const Interval& times) const
-{
-    RippleBound r;
-    const Vec2d middle(0.5 * (x.lo + x.hi), 0.5 * (y.lo + y.hi)), half(0.5 * (x.hi - x.lo), 0.5 * (y.hi - y.lo));
-    const double t = 0.5 * (times.lo + times.hi), span = 0.5 * (times.hi - times.lo);
-    double total = 0.0, slope = 0.0;
-    for (const Swell& s : swell_) {
-        // The cosine at the middle, give or take how far the angle goes; it can go no higher than one.
-        const double angle = s.wave_number.dot(middle) - s.frequency * t + s.phase;
-        const double turn = std::abs(s.wave_number.x) * half.x + std::abs(s.wave_number.y) * half.y + std::abs(s.frequency) * span;
-        const double a = std::abs(s.amplitude), k = s.wave_number.length();
-        const auto about = [&](double value) {
-            return cut({value - std::min(turn, 2.0), value + std::min(turn, 2.0)}, {-1.0, 1.0}).scaled(s.amplitude);
-        };
-        const Interval cosine = about(std::cos(angle)), sine = about(std::sin(angle));
-        r.height = r.height + cosine;
-        for (int i = 0; i < 2; ++i) r.slope[i] = r.slope[i] + minus(sine.scaled(s.wave_number[i]));
-        r.second += a * k * k;
-        total += a;
-        slope += a * k;
-    }
-    const Interval sides[2] = {x, y};
-    const double width = fade_.outer - fade_.inner;
-    Interval weight{1.0, 1.0}, change[2] = {{0.0, 0.0}, {0.0, 0.0}};
-    double steep = 0.0;
-    bool fades = false;
-    for (int k = 0; k < 2; ++k) {
-        const Interval d{sides[k].lo - fade_.centre[k], sides[k].hi - fade_.centre[k]};
-        const double near = std::max({0.0, d.lo, -d.hi}), far = magnitude(d);
-        const Interval a{(near - fade_.inner) / width, (far - fade_.inner) / width};
-        weight = times_interval(weight, {1.0 - smooth(a.hi), 1.0 - smooth(a.lo)});
-        const double s = steepest(a) / width;
-        change[k] = {-s, s};
-        steep = std::max(steep, s);
-        fades = fades || s > 0.0;
-    }
-    const Interval height = r.height;
-    r.height = times_interval(r.height, weight);
-    for (int k = 0; k < 2; ++k) r.slope[k] = times_interval(r.slope[k], weight) + times_interval(change[k], height);
-    if (fades) r.second += total * (12.0 / (width * width) + 2.0 * steep * steep) + 4.0 * slope * steep;
-    const double size = kRounding * (1.0 + total + slope);
-    r.height = {r.height.lo - size, r.height.hi + size};
-    for (Interval& i : r.slope) i = {i.lo - size, i.hi + size};
-    return r;
 }
 
 BreakingSea::Deviation BreakingSea::deviation(const Breaker& b, const Vec3d& p, double t) const
@@ -218,13 +118,13 @@ BreakingSea::Deviation BreakingSea::deviation(const Breaker& b, const Vec3d& p, 
     // The branch that holds water.
     WaveOrigin o = profile.circular({x, z}, l.duration);
     const auto place = [&](const WaveOrigin& from) { return centre + frame.x * from.at.x + frame.y * y; };
-    const auto level = [&](const WaveOrigin& from) { return from.at.y + b.shape.depth - swell(place(from), t).height; };
+    const auto level = [&](const WaveOrigin& from) { return from.at.y + b.shape.depth - swell_.at(place(from), t).height; };
     if (x < 0.0) {
         const WaveOrigin fallen = profile.parabolic({x, z}, l.duration);
         if (level(fallen) < level(o)) o = fallen;
     }
     const Vec2d where = place(o);
-    const Ripple there = swell(where, t), here = swell(flat, t);
+    const Swells::Height there = swell_.at(where, t), here = swell_.at(flat, t);
     const double eta_x = there.slope.dot(frame.x), eta_y = there.slope.dot(frame.y);
     const Vec2d by(o.by_x.y - eta_x * o.by_x.x, o.by_z.y - eta_x * o.by_z.x);  // of F_wave by local x and z
     const double by_duration = o.by_duration.y - eta_x * o.by_duration.x;
@@ -277,22 +177,22 @@ LocalField BreakingSea::deviation_bound(const Breaker& b, const Box3d& box, cons
         const auto axis = [&](int k) {
             return Interval{b.centre[k], b.centre[k]} + shift.scaled(heading[k]) + w.x0.scaled(frame.x[k]) + y.scaled(frame.y[k]);
         };
-        const RippleBound eta = swell_bound(axis(0), axis(1), times);
+        const Swells::Bound eta = swell_.bound(axis(0), axis(1), times);
         const Interval ex = eta.slope[0].scaled(frame.x.x) + eta.slope[1].scaled(frame.x.y);
         Part out;
         out.eta_y = eta.slope[0].scaled(frame.y.x) + eta.slope[1].scaled(frame.y.y);
-        out.value = w.z0 + Interval{b.shape.depth, b.shape.depth} + minus(eta.height);
-        out.by_x = w.by_x[1] + minus(times_interval(ex, w.by_x[0]));
-        out.by_z = w.by_z[1] + minus(times_interval(ex, w.by_z[0]));
-        out.by_duration = w.by_duration[1] + minus(times_interval(ex, w.by_duration[0]));
-        const double e = magnitude(ex), gx = std::hypot(magnitude(w.by_x[0]), magnitude(w.by_z[0])), gt = magnitude(w.by_duration[0]);
+        out.value = w.z0 + Interval{b.shape.depth, b.shape.depth} + -eta.height;
+        out.by_x = w.by_x[1] + -(ex * w.by_x[0]);
+        out.by_z = w.by_z[1] + -(ex * w.by_z[0]);
+        out.by_duration = w.by_duration[1] + -(ex * w.by_duration[0]);
+        const double e = ex.magnitude(), gx = std::hypot(w.by_x[0].magnitude(), w.by_z[0].magnitude()), gt = w.by_duration[0].magnitude();
         const double ty = l.duration_y;
         out.curvature = swell_.empty() ? w.second : w.second * (1.0 + e) + eta.second * gx * gx;
         if (w.x0_bends && !swell_.empty()) out.curvature = kInfinity;
         // Everything that has a derivative along the crest in it.
         const double cross = w.duration_slope * (1.0 + e) + eta.second * gx * gt, twice = w.duration_second * (1.0 + e) + eta.second * gt * gt;
         const double mixed = ty > 0.0 ? 2.0 * cross * ty + twice * ty * ty : 0.0;
-        out.y_curvature = mixed + magnitude(out.by_duration) * l.duration_yy + eta.second * (2.0 * gx + 2.0 * gt * ty + 1.0);
+        out.y_curvature = mixed + out.by_duration.magnitude() * l.duration_yy + eta.second * (2.0 * gx + 2.0 * gt * ty + 1.0);
         return out;
     };
     const auto hull = [](const Part& a, const Part& b) {
@@ -321,30 +221,30 @@ LocalField BreakingSea::deviation_bound(const Breaker& b, const Box3d& box, cons
     const bool smooth_seam = left == none || right == none || (left == flying && z.lo > 0.0) || (left == turning && z.hi < 0.0);
     if (left == either || !smooth_seam) all.curvature = kInfinity;
 
-    const RippleBound here = swell_bound(wx, wy, times);
-    const Interval calm = Interval{box.min.z - level_, box.max.z - level_} + minus(here.height), apart = all.value + minus(calm);
+    const Swells::Bound here = swell_.bound(wx, wy, times);
+    const Interval calm = Interval{box.min.z - level_, box.max.z - level_} + -here.height, apart = all.value + -calm;
     const double width = bore_width(b), near = std::max({0.0, x.lo, -x.hi});
-    const Interval bump{std::exp(-std::pow(magnitude(x) / width, 2)), std::exp(-near * near / (width * width))};
-    const double bump_x = std::min(0.8578 / width, 2.0 * magnitude(x) / (width * width) * bump.hi), bump_xx = 2.0 / (width * width);
-    const Interval keep{1.0 - l.fallen.hi, 1.0 - l.fallen.lo}, white = times_interval(l.white, bump);
-    out.value = times_interval(keep, apart) + minus(times_interval(l.fallen, white));
+    const Interval bump{std::exp(-std::pow(x.magnitude() / width, 2)), std::exp(-near * near / (width * width))};
+    const double bump_x = std::min(0.8578 / width, 2.0 * x.magnitude() / (width * width) * bump.hi), bump_xx = 2.0 / (width * width);
+    const Interval keep{1.0 - l.fallen.hi, 1.0 - l.fallen.lo}, white = l.white * bump;
+    out.value = keep * apart + -(l.fallen * white);
 
-    const Interval dy = all.by_duration.scaled(0.0) +
-                        Interval{-magnitude(all.by_duration) * l.duration_y, magnitude(all.by_duration) * l.duration_y} + minus(all.eta_y);
-    const double sway = l.fallen.hi * l.white.hi * bump_x, drift = l.fallen.hi * l.white_y * bump.hi + l.fallen_y * magnitude(apart + white);
+    const Interval dy =
+        all.by_duration.scaled(0.0) + Interval{-all.by_duration.magnitude() * l.duration_y, all.by_duration.magnitude() * l.duration_y} + -all.eta_y;
+    const double sway = l.fallen.hi * l.white.hi * bump_x, drift = l.fallen.hi * l.white_y * bump.hi + l.fallen_y * (apart + white).magnitude();
     for (int k = 0; k < 2; ++k) {
         const Interval wave = all.by_x.scaled(frame.x[k]) + dy.scaled(frame.y[k]) + here.slope[k];
         const double more = std::abs(frame.x[k]) * sway + std::abs(frame.y[k]) * drift;
-        out.gradient[static_cast<std::size_t>(k)] = times_interval(keep, wave) + Interval{-more, more};
+        out.gradient[static_cast<std::size_t>(k)] = keep * wave + Interval{-more, more};
     }
-    out.gradient[2] = times_interval(keep, {all.by_z.lo - 1.0, all.by_z.hi - 1.0});
+    out.gradient[2] = keep * Interval{all.by_z.lo - 1.0, all.by_z.hi - 1.0};
 
     double bend = all.curvature + all.y_curvature + here.second;
     if (l.fallen.hi > 0.0) {
-        const double steep = std::sqrt(std::pow(magnitude(all.by_x) + magnitude(here.slope[0]) + magnitude(here.slope[1]) + magnitude(dy), 2) +
-                                       std::pow(magnitude(all.by_z) + 1.0, 2));
+        const double steep = std::sqrt(std::pow(all.by_x.magnitude() + here.slope[0].magnitude() + here.slope[1].magnitude() + dy.magnitude(), 2) +
+                                       std::pow(all.by_z.magnitude() + 1.0, 2));
         bend += l.fallen.hi * (l.white.hi * bump_xx + 2.0 * l.white_y * bump_x + l.white_yy * bump.hi) +
-                2.0 * l.fallen_y * (steep + l.white.hi * bump_x + l.white_y) + l.fallen_yy * magnitude(apart + white);
+                2.0 * l.fallen_y * (steep + l.white.hi * bump_x + l.white_y) + l.fallen_yy * (apart + white).magnitude();
     }
     out.curvature = bend;
     return out;
@@ -352,14 +252,14 @@ LocalField BreakingSea::deviation_bound(const Breaker& b, const Box3d& box, cons
 
 double BreakingSea::value(const Vec3d& p, double t) const
 {
-    double sum = p.z - level_ - swell({p.x, p.y}, t).height;
+    double sum = p.z - level_ - swell_.at({p.x, p.y}, t).height;
     for (const Breaker& b : breakers_) sum += deviation(b, p, t).value;
     return sum;
 }
 
 Vec3d BreakingSea::gradient(const Vec3d& p, double t, double* by_time) const
 {
-    const Ripple here = swell({p.x, p.y}, t);
+    const Swells::Height here = swell_.at({p.x, p.y}, t);
     Vec3d sum(-here.slope.x, -here.slope.y, 1.0);
     double change = -here.by_time;
     for (const Breaker& b : breakers_) {
@@ -373,10 +273,10 @@ Vec3d BreakingSea::gradient(const Vec3d& p, double t, double* by_time) const
 
 LocalField BreakingSea::local(const Box3d& box, const Interval& times) const
 {
-    const RippleBound here = swell_bound({box.min.x, box.max.x}, {box.min.y, box.max.y}, times);
+    const Swells::Bound here = swell_.bound({box.min.x, box.max.x}, {box.min.y, box.max.y}, times);
     LocalField sum;
-    sum.value = Interval{box.min.z - level_, box.max.z - level_} + minus(here.height);
-    sum.gradient = {minus(here.slope[0]), minus(here.slope[1]), Interval{1.0, 1.0}};
+    sum.value = Interval{box.min.z - level_, box.max.z - level_} + -here.height;
+    sum.gradient = {-here.slope[0], -here.slope[1], Interval{1.0, 1.0}};
     sum.curvature = here.second;
     for (const Breaker& b : breakers_) {
         const LocalField d = deviation_bound(b, box, times);
@@ -384,14 +284,14 @@ LocalField BreakingSea::local(const Box3d& box, const Interval& times) const
         for (std::size_t k = 0; k < 3; ++k) sum.gradient[k] = sum.gradient[k] + d.gradient[k];
         sum.curvature += d.curvature;
     }
-    const double rounding = kRounding * (1.0 + magnitude(sum.value) + magnitude(Interval{box.min.z, box.max.z}));
+    const double rounding = kRounding * (1.0 + sum.value.magnitude() + Interval{box.min.z, box.max.z}.magnitude());
     sum.value = {sum.value.lo - rounding, sum.value.hi + rounding};
     if (times.lo == times.hi) {
         const Vec3d half = box.size() * 0.5;
         const double centre = value(box.center(), times.lo);
         double reach = rounding;
-        for (int k = 0; k < 3; ++k) reach += magnitude(sum.gradient[static_cast<std::size_t>(k)]) * half[k];
-        sum.value = cut(sum.value, {centre - reach, centre + reach});
+        for (int k = 0; k < 3; ++k) reach += (sum.gradient[static_cast<std::size_t>(k)]).magnitude() * half[k];
+        sum.value = Interval::common(sum.value, {centre - reach, centre + reach});
     }
     return sum;
 }
@@ -413,15 +313,13 @@ Vec3d BreakingSea::rest(const Vec3d& p, double t, double* falling) const
 
 Interval BreakingSea::heights() const
 {
-    double up = 0.0, down = 0.0;
-    for (const Swell& s : swell_) up += std::abs(s.amplitude), down += std::abs(s.amplitude);
     double highest = 0.0, lowest = 0.0;
     for (const Breaker& b : breakers_) {
         // Circles keep the depth as their least radius of water at rest; a particle rises to its own radius at most, and falls as deep.
         highest = std::max(highest, b.shape.outer + b.shape.depth);
         lowest = std::max(lowest, b.shape.outer);
     }
-    return {level_ - down - lowest, level_ + up + highest};
+    return {level_ - swell_.amplitude() - lowest, level_ + swell_.amplitude() + highest};
 }
 
 }  // namespace hoodoo

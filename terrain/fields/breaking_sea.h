@@ -1,6 +1,7 @@
 // A sea with breaking waves as one implicit function of space and time: swell, and waves that curl, throw, fall and collapse along their crests.
 #pragma once
 
+#include "terrain/fields/swell.h"
 #include "terrain/fields/warped_field.h"
 #include "terrain/fields/wave_profile.h"
 
@@ -9,14 +10,6 @@
 
 namespace hoodoo
 {
-
-/// A train of small waves on the water at rest: amplitude cos(k . p - omega t + phase), omega by the dispersion of deep water.
-struct Swell {
-    double amplitude = 0.1;       ///< metres
-    Vec2d wave_number{0.1, 0.0};  ///< radians a metre, along the way it runs
-    double frequency = 1.0;       ///< radians a second
-    double phase = 0.0;
-};
 
 /// One wave and its life. Lengths in metres, times in seconds of the scene.
 struct Breaker {
@@ -40,12 +33,7 @@ struct Breaker {
 class BreakingSea
 {
 public:
-    struct Fade {
-        double inner = 1e30, outer = 2e30;  ///< the swell fades to nothing between these distances, in x and in y, from `centre`
-        Vec2d centre{0.0};
-    };
-
-    BreakingSea(std::vector<Breaker> breakers, std::vector<Swell> swell, double level, const Fade& fade);
+    BreakingSea(std::vector<Breaker> breakers, Swells swell, double level);
 
     double value(const Vec3d& p, double t) const;
     /// Gradient by (x, y, z), and by time.
@@ -60,16 +48,6 @@ public:
     Interval heights() const;
 
 private:
-    /// Height of the swell and its derivatives.
-    struct Ripple {
-        double height = 0.0;
-        Vec2d slope{0.0};
-        double by_time = 0.0;
-    };
-    struct RippleBound {
-        Interval height, slope[2];
-        double second = 0.0;
-    };
     /// What one breaker differs from the calm sea.
     struct Deviation {
         double value = 0.0;
@@ -82,17 +60,14 @@ private:
     struct Life;
     struct LifeBound;
 
-    Ripple swell(const Vec2d& p, double t) const;
-    RippleBound swell_bound(const Interval& x, const Interval& y, const Interval& times) const;
     Deviation deviation(const Breaker& b, const Vec3d& p, double t) const;
     LocalField deviation_bound(const Breaker& b, const Box3d& box, const Interval& times) const;
     static Life life(const Breaker& b, double y, double t);
     static LifeBound life_bound(const Breaker& b, const Interval& y, const Interval& times);
 
     std::vector<Breaker> breakers_;
-    std::vector<Swell> swell_;
+    Swells swell_;
     double level_;
-    Fade fade_;
 };
 
 }  // namespace hoodoo

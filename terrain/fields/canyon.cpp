@@ -28,11 +28,6 @@ double length2(double x, double y)
     return std::sqrt(x * x + y * y);
 }
 
-double magnitude(const Interval& i)
-{
-    return std::max(std::abs(i.lo), std::abs(i.hi));
-}
-
 /// Nearest and farthest distance of a box's points from `p`.
 Interval distances(const Box3d& box, const Vec3d& p)
 {
@@ -92,7 +87,7 @@ CanyonProfile::Range CanyonProfile::over(const Box3d& box) const
         const Noise1 n = gradient_noise(f * middle + 17.3 * k, shape_.profile_seed + static_cast<std::uint32_t>(k));
         const double reach = f * half, bend = kNoise1Curve * reach;
         const Interval slope{std::max(n.slope - bend, -kNoise1Bound.slope), std::min(n.slope + bend, kNoise1Bound.slope)};
-        const double rise = std::min(magnitude(slope), std::abs(n.slope) + 0.5 * bend) * reach;
+        const double rise = std::min(slope.magnitude(), std::abs(n.slope) + 0.5 * bend) * reach;
         const Interval value{std::max(n.value - rise, -kNoise1Bound.value), std::min(n.value + rise, kNoise1Bound.value)};
         const Interval t = Interval::hull(value.scaled(w.lo), value.scaled(w.hi)), d = Interval::hull(slope.scaled(w.lo), slope.scaled(w.hi));
         r.t = r.t + t.scaled(a);
@@ -101,9 +96,9 @@ CanyonProfile::Range CanyonProfile::over(const Box3d& box) const
         if (!shape_.view || w.lo == 1.0) continue;
         // |w'| <= 1.5 s, |w''| <= 6 s^2 with s the inverse of the fade's width, which begins at the distance 1 / s.
         const double s = shape_.view->spread * f * 4.0 / shape_.height;
-        const double size = magnitude(value);
+        const double size = value.magnitude();
         r.by_distance += 1.5 * s * a * size;
-        r.rest += a * (2.0 * 1.5 * s * f / shape_.height * magnitude(slope) + (6.0 * s * s + 1.5 * s * s) * size);
+        r.rest += a * (2.0 * 1.5 * s * f / shape_.height * slope.magnitude() + (6.0 * s * s + 1.5 * s * s) * size);
     }
     return r;
 }
@@ -194,7 +189,7 @@ LocalField CanyonWall::local(const Box3d& box) const
     const double across = bend * b.all.x * b.all.x + steepest * b.all.xx;
     const double by_time = steepest * b.all.h;  // |d(wF) / d(wT)|
     const double mixed = bend * b.all.x * b.all.h + steepest * b.all.xh, timed = bend * b.all.h * b.all.h + steepest * b.all.hh;
-    const double slope_t = magnitude(t.by_height) * w;  // |d(wT) / dz|
+    const double slope_t = t.by_height.magnitude() * w;  // |d(wT) / dz|
 
     LocalField known;
     const Vec3d centre = apply_transposed(b.jacobian, Vec3d(g.x, g.y, 0.0));

@@ -10,6 +10,7 @@
 #include "terrain/fields/strata.h"
 #include "terrain/math/hash.h"
 #include "terrain/math/noise.h"
+#include "terrain/math/smoothstep.h"
 
 #include <algorithm>
 #include <memory>
@@ -19,12 +20,6 @@ namespace hoodoo
 
 namespace
 {
-
-double smooth(double t)
-{
-    t = std::clamp(t, 0.0, 1.0);
-    return t * t * (3.0 - 2.0 * t);
-}
 
 std::uint32_t low_bits(std::uint64_t seed)
 {
@@ -134,7 +129,7 @@ HeightFunction make_canyon(const Values& v, std::uint64_t seed)
         const double t = (n.distance - floor_half) / ((rim_half - floor_half) * rough);
         if (!(t < 1.0)) return kInfinity;
         // Steep below, leaning back above: t^(1/steepness).
-        return n.height + (rim - n.height) * std::pow(smooth(std::max(0.0, t)), 1.0 / steepness);
+        return n.height + (rim - n.height) * std::pow(smoothstep(std::max(0.0, t)), 1.0 / steepness);
     };
     HeightFunction beds = bedded(v, lowest, rim, seed, std::move(even));
     return beds;

@@ -17,16 +17,6 @@ namespace
 /// Of two computations of one value, relative to what the numbers involved are.
 constexpr double kRounding = 1e-12;
 
-double magnitude(const Interval& i)
-{
-    return std::max(std::abs(i.lo), std::abs(i.hi));
-}
-
-Interval common(const Interval& a, const Interval& b)
-{
-    return {std::max(a.lo, b.lo), std::min(a.hi, b.hi)};
-}
-
 /// 0 times infinity is 0 here: what has no extent adds nothing.
 double product(double a, double b)
 {
@@ -35,7 +25,7 @@ double product(double a, double b)
 
 double length(const std::array<Interval, 3>& g)
 {
-    return std::sqrt(magnitude(g[0]) * magnitude(g[0]) + magnitude(g[1]) * magnitude(g[1]) + magnitude(g[2]) * magnitude(g[2]));
+    return std::sqrt(g[0].magnitude() * g[0].magnitude() + g[1].magnitude() * g[1].magnitude() + g[2].magnitude() * g[2].magnitude());
 }
 
 }  // namespace
@@ -51,7 +41,7 @@ double LocalField::slope_along(const Vec3d& unit) const
     for (int k = 0; k < 3; ++k) {
         if (unit[k] != 0.0) sum = sum + gradient[static_cast<std::size_t>(k)].scaled(unit[k]);
     }
-    return magnitude(sum);
+    return sum.magnitude();
 }
 
 double LocalField::curvature_along(double curvature, double mixed, double upright, const Vec3d& unit)
@@ -100,11 +90,11 @@ LocalField WarpedField::local(const Box3d& box, const Interval& durations, Box3d
         }
         // However the warp bends, no component is longer than the whole gradient can be.
         const double most = product(steepest, warp.all.x);
-        local.gradient[static_cast<std::size_t>(k)] = common(sum, {-most, most});
+        local.gradient[static_cast<std::size_t>(k)] = Interval::common(sum, {-most, most});
     }
     const double moved = product(product(steepest, warp.all.h), span);
     double straight = 0.0;
-    for (int k = 0; k < 3; ++k) straight += product(magnitude(local.gradient[static_cast<std::size_t>(k)]), half[k]);
+    for (int k = 0; k < 3; ++k) straight += product((local.gradient[static_cast<std::size_t>(k)]).magnitude(), half[k]);
     double reach = straight + moved;
     if (std::isfinite(bend) && warp.all.xx < 1e20) {
         const Vec3d at_centre = apply_transposed(warp.jacobian, base_->gradient(warp.image));
@@ -114,14 +104,14 @@ LocalField WarpedField::local(const Box3d& box, const Interval& durations, Box3d
         double linear = 0.5 * local.curvature * radius * radius + moved;
         for (int k = 0; k < 3; ++k) {
             Interval& component = local.gradient[static_cast<std::size_t>(k)];
-            component = common(component, {at_centre[k] - turn - rounding, at_centre[k] + turn + rounding});
+            component = Interval::common(component, {at_centre[k] - turn - rounding, at_centre[k] + turn + rounding});
             linear += std::abs(at_centre[k]) * half[k];
         }
         // The linear part is taken at the middle of the span.
         linear += product(bend * warp.all.x * warp.all.h + product(steepest, warp.all.xh), span * radius);
         reach = std::min(reach, linear);
     }
-    local.value = common(base.value, {centre - reach, centre + reach});
+    local.value = Interval::common(base.value, {centre - reach, centre + reach});
     local.value = {local.value.lo - rounding, local.value.hi + rounding};
     return local;
 }

@@ -12,7 +12,7 @@ namespace hoodoo
 /// What is known of a field over a box (and a span of durations).
 struct LocalField {
     Interval value{-kInfinity, kInfinity};
-    double centre = 0.0;  ///< the value at the centre (and at the middle of the span)
+    double centre = 0.0;               ///< the value at the centre (and at the middle of the span)
     std::array<Interval, 3> gradient;  ///< its components
     /// Bounds of the second derivative along a unit direction with a horizontal part c and a vertical part s: curvature c^2 + mixed 2 c |s| + upright
     /// s^2. Where all directions are alike upright = curvature, mixed = 0.

@@ -11,6 +11,8 @@
 // All bounds follow from monotony of each factor in each variable, and of v, omega, |r omega'| and its derivative beyond the core (alpha >= 2).
 #include "terrain/fields/wave_profile.h"
 
+#include "terrain/math/smoothstep.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -23,22 +25,6 @@ namespace
 constexpr double kPi = 3.141592653589793;
 constexpr double kLast = -1.5 * kPi;  ///< angle at which a full circle has been undone
 constexpr double kRounding = 1e-12;   ///< relative, of a few operations
-
-Interval times(const Interval& a, const Interval& b)
-{
-    const auto [lo, hi] = std::minmax({a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi});
-    return {lo, hi};
-}
-
-Interval minus(const Interval& a)
-{
-    return {-a.hi, -a.lo};
-}
-
-double magnitude(const Interval& a)
-{
-    return std::max(std::abs(a.lo), std::abs(a.hi));
-}
 
 /// A little wider, for what rounding does to numbers of that size.
 Interval wider(const Interval& a, double size)
@@ -67,22 +53,11 @@ double angle_of(double x, double z, bool left)
     return left && (a > 0.0 || (x == 0.0 && z > 0.0)) ? a - 2.0 * kPi : a;
 }
 
-/// 0 at a <= 0, 1 at a >= 1, and once differentiable.
-double smooth(double a)
-{
-    a = std::clamp(a, 0.0, 1.0);
-    return a * a * (3.0 - 2.0 * a);
-}
-double smooth_slope(double a)
-{
-    return a > 0.0 && a < 1.0 ? 6.0 * a * (1.0 - a) : 0.0;
-}
-
 /// Distances from the centre to a box.
 Interval radius_of(const Interval& x, const Interval& z)
 {
     const auto nearest = [](const Interval& i) { return std::max({0.0, i.lo, -i.hi}); };
-    return {std::hypot(nearest(x), nearest(z)), std::hypot(magnitude(x), magnitude(z))};
+    return {std::hypot(nearest(x), nearest(z)), std::hypot(x.magnitude(), z.magnitude())};
 }
 
 /// r of the parabola through (-q, z), without cancellation.
@@ -168,7 +143,7 @@ WaveOrigin WaveProfile::parabolic(const Vec2d& p, double duration) const
         return origin;
     }
     if (!(psi > 0.0)) {
-        const double rho = p.length(), far = smooth(-psi), turning = smooth_slope(-psi);
+        const double rho = p.length(), far = smoothstep(-psi), turning = smoothstep_slope(-psi);
         Vec2d g = gr + (rho > 0.0 ? p * (far / rho) : Vec2d(0.0));
         if (turning > 0.0) {
             g -= (gr * (duration * shear(r) + flown) + Vec2d(1.0, 0.0)) * (rho / r * turning);
@@ -207,21 +182,21 @@ WaveBound WaveProfile::circular_bound(const Interval& x, const Interval& z, cons
     WaveBound bound;
     const Interval turned{std::max(chi.lo, kLast), std::max(chi.hi, kLast)};
     const Interval c = clamped ? Interval{0.0, 0.0} : cosine(turned), s = clamped ? Interval{1.0, 1.0} : sine(turned);
-    bound.x0 = wider(times(rho, c), rho.hi);
-    bound.z0 = wider(times(rho, s), rho.hi);
+    bound.x0 = wider(rho * c, rho.hi);
+    bound.z0 = wider(rho * s, rho.hi);
     const double from = std::max(rho.lo, shape_.core), h = rho.hi <= shape_.core ? 0.0 : std::abs(shear(std::nextafter(from, kInfinity)));
     const Interval k = clamped ? Interval{0.0, 0.0} : Interval{-duration.hi * h, rho.lo < shape_.core ? 0.0 : -duration.lo * std::abs(shear(rho.hi))};
-    Interval radial[2] = {c + times(k, s), s + minus(times(k, c))}, tangential[2] = {minus(s), c};
+    Interval radial[2] = {c + k * s, s + -(k * c)}, tangential[2] = {-s, c};
     if (clamped) radial[0] = tangential[0] = {0.0, 0.0};
     if (partly) radial[0] = Interval::hull(radial[0], {0.0, 0.0}), tangential[0] = Interval::hull(tangential[0], {0.0, 0.0});
     for (int i = 0; i < 2; ++i) {
-        const double size = magnitude(radial[i]) + magnitude(tangential[i]);
-        bound.by_x[i] = wider(times(radial[i], cos_theta) + minus(times(tangential[i], sin_theta)), size);
-        bound.by_z[i] = wider(times(radial[i], sin_theta) + times(tangential[i], cos_theta), size);
+        const double size = radial[i].magnitude() + tangential[i].magnitude();
+        bound.by_x[i] = wider(radial[i] * cos_theta + -(tangential[i] * sin_theta), size);
+        bound.by_z[i] = wider(radial[i] * sin_theta + tangential[i] * cos_theta, size);
     }
     const double v = rho.lo <= shape_.core && rho.hi >= shape_.core ? 1.0 : std::max(speed(rho.lo), speed(rho.hi));
     bound.by_duration[0] = clamped ? Interval{0.0, 0.0} : Interval{-v, v};
-    bound.by_duration[1] = clamped ? Interval{0.0, 0.0} : times({0.0, v}, minus(c));
+    bound.by_duration[1] = clamped ? Interval{0.0, 0.0} : Interval{0.0, v} * -c;
     if (partly) bound.by_duration[1] = Interval::hull(bound.by_duration[1], {0.0, 0.0});
 
     // Second derivatives: none are known across the core's rim, nor at the centre of a clamped part.
@@ -253,7 +228,7 @@ WaveBound WaveProfile::parabolic_bound(const Interval& x, const Interval& z, con
     const bool partly = !clamped && (psi.lo < 0.0 || psi.hi > 2.0 * kPi);
 
     // grad r = (-q, r) / D: each component is monotone in q and in z or |z|.
-    const double z_near = std::max({0.0, z.lo, -z.hi}), z_far = magnitude(z);
+    const double z_near = std::max({0.0, z.lo, -z.hi}), z_far = z.magnitude();
     const auto share = [](double q, double height) { return q > 0.0 ? q / std::sqrt(height * height + 2.0 * q * q) : 0.0; };
     Interval gr[2] = {{-0.70710678118654768, 0.0}, {0.0, 1.0}};
     const double d_least = std::sqrt(z_near * z_near + 2.0 * q0 * q0);
@@ -269,12 +244,12 @@ WaveBound WaveProfile::parabolic_bound(const Interval& x, const Interval& z, con
     const double from_core = std::max(r.lo, shape_.core), h_all = r.hi <= shape_.core ? 0.0 : std::abs(shear(std::nextafter(from_core, kInfinity)));
 
     // Where no water has flown: r + rho S. While S rises, q / r <= omega T + 1 =: Q, so that rho / r <= Q sqrt(1 + Q^2).
-    const Interval rho = radius_of(x, z), far{smooth(-psi.hi), smooth(-psi.lo)};
+    const Interval rho = radius_of(x, z), far{smoothstep(-psi.hi), smoothstep(-psi.lo)};
     const double rising =
-        psi.lo >= 0.0 || psi.hi <= -1.0 ? 0.0 : smooth_slope(std::clamp(0.5, std::clamp(-psi.hi, 0.0, 1.0), std::clamp(-psi.lo, 0.0, 1.0)));
+        psi.lo >= 0.0 || psi.hi <= -1.0 ? 0.0 : smoothstep_slope(std::clamp(0.5, std::clamp(-psi.hi, 0.0, 1.0), std::clamp(-psi.lo, 0.0, 1.0)));
     const double most = cap + 1.0, pull = rising * most * std::sqrt(1.0 + most * most) * (duration.hi * h_all + most + 1.0);
-    const Interval air_z0 = wider(r + times(rho, far), r.hi + rho.hi), away[2] = {{-1.0, 0.0}, {z.lo >= 0.0 ? 0.0 : -1.0, z.hi <= 0.0 ? 0.0 : 1.0}};
-    const auto air_gradient = [&](int k) { return wider(gr[k] + times(far, away[k]) + Interval{-pull, pull}, 2.0 + pull); };
+    const Interval air_z0 = wider(r + rho * far, r.hi + rho.hi), away[2] = {{-1.0, 0.0}, {z.lo >= 0.0 ? 0.0 : -1.0, z.hi <= 0.0 ? 0.0 : 1.0}};
+    const auto air_gradient = [&](int k) { return wider(gr[k] + far * away[k] + Interval{-pull, pull}, 2.0 + pull); };
     const double air_by_duration = rho.hi * rising * fast;
     double air_second = d_least > 0.0 ? 1.0 / d_least : kInfinity;
     if (far.hi > 0.0) air_second += rho.lo > 0.0 ? 1.0 / rho.lo : kInfinity;
@@ -294,26 +269,26 @@ WaveBound WaveProfile::parabolic_bound(const Interval& x, const Interval& z, con
     }
     const Interval angle{std::clamp(psi.lo, 0.0, 2.0 * kPi), std::clamp(psi.hi, 0.0, 2.0 * kPi)};
     const Interval c = cosine(angle), s = sine(angle);
-    bound.x0 = wider(times(r, s), r.hi);
-    bound.z0 = wider(times(r, c), r.hi);
+    bound.x0 = wider(r * s, r.hi);
+    bound.z0 = wider(r * c, r.hi);
     // Where nothing is clamped the flight is shorter than the turn: q / r <= omega T, so that r >= q / (omega T).
     const Interval flown{std::min(shortest, cap), std::min(longest, cap)};
     const double r_least = std::max(r.lo, cap > 0.0 ? q0 / cap * (1.0 - kRounding) : 0.0);
     const double from = std::max(r_least, shape_.core), h = r.hi <= shape_.core ? 0.0 : std::abs(shear(std::nextafter(from, kInfinity)));
     const Interval k = Interval{-duration.hi * h, 0.0} + flown;
-    Interval along[2] = {s + times(k, c), c + minus(times(k, s))};
-    const Interval straight[2] = {c, minus(s)};
+    Interval along[2] = {s + k * c, c + -(k * s)};
+    const Interval straight[2] = {c, -s};
     for (int i = 0; i < 2; ++i) {
-        const double size = magnitude(along[i]) + 1.0;
-        bound.by_x[i] = wider(times(along[i], gr[0]) + straight[i], size);
-        bound.by_z[i] = wider(times(along[i], gr[1]), size);
+        const double size = along[i].magnitude() + 1.0;
+        bound.by_x[i] = wider(along[i] * gr[0] + straight[i], size);
+        bound.by_z[i] = wider(along[i] * gr[1], size);
         if (!partly) continue;
         bound.by_x[i] = Interval::hull(bound.by_x[i], i == 0 ? Interval{0.0, 0.0} : air_gradient(0));
         bound.by_z[i] = Interval::hull(bound.by_z[i], i == 0 ? Interval{0.0, 0.0} : air_gradient(1));
     }
     if (psi.lo < 0.0) bound.z0 = Interval::hull(bound.z0, air_z0);
-    bound.by_duration[0] = Interval::hull(times({0.0, v}, c), {0.0, 0.0});
-    bound.by_duration[1] = Interval::hull(times({0.0, v}, minus(s)), {-air_by_duration, 0.0});
+    bound.by_duration[0] = Interval::hull(Interval{0.0, v} * c, {0.0, 0.0});
+    bound.by_duration[1] = Interval::hull(Interval{0.0, v} * -s, {-air_by_duration, 0.0});
 
     const bool rim = r_least < shape_.core && r.hi > shape_.core;
     if (rim || !(r_least > 0.0) || !(d_least > 0.0)) {

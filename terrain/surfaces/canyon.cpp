@@ -9,6 +9,7 @@
 #include "terrain/fields/canyon.h"
 #include "terrain/march/field_patches.h"
 #include "terrain/math/hash.h"
+#include "terrain/surfaces/patch_parameters.h"
 #include "terrain/surfaces/rows.h"
 
 #include <fmt/format.h>
@@ -229,8 +230,7 @@ Shape make_canyon(const Values& values, const BuildContext& context)
     settings.size = values.has("patch") ? values.number("patch") : shape.cell / 6.0;
     settings.focus = centre;
     settings.growth = values.number("growth");
-    settings.mode = values.text("mode") == "paper" ? MarchMode::paper : MarchMode::certified;
-    settings.epsilon = values.number("epsilon");
+    read_search(values, settings);
     settings.epsilon_distance = shape.cell;
     if (context.progress) context.progress(0.1, "patches");
     auto surface = std::make_unique<CanyonSurface>(shape, settings);
@@ -304,19 +304,8 @@ CatalogueEntry canyon_row()
          .fallback = 0.03,
          .minimum = 0,
          .maximum = 1},
-        {.name = "mode",
-         .type = ParameterType::choice,
-         .doc = "certified: no crossing is missed; paper: the area test of Gamito and Musgrave, to compare.",
-         .fallback = std::string("certified"),
-         .choices = {"certified", "paper"}},
-        {.name = "epsilon",
-         .type = ParameterType::number,
-         .doc = "Paper mode: largest area of a triangle of the warped ray, at the walls.",
-         .fallback = 1.0,
-         .unit = "m2",
-         .minimum = 0,
-         .above_minimum = true},
     };
+    for (Parameter& p : search_parameters("the walls", 1.0)) schema.parameters.push_back(std::move(p));
     return {"canyon", "Gamito2001", std::move(schema), make_canyon};
 }
 

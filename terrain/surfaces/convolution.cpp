@@ -14,13 +14,12 @@
 #include "terrain/march/sphere_bricks.h"
 #include "terrain/march/water_patches.h"
 #include "terrain/stack/columns_around.h"
-#include "terrain/stack/visible.h"
 #include "terrain/surfaces/refine.h"
 #include "terrain/surfaces/rock_source.h"
 #include "terrain/surfaces/rows.h"
+#include "terrain/surfaces/stack_materials.h"
 #include "terrain/surfaces/stack_source.h"
 
-#include <bit>
 #include <chrono>
 
 namespace hoodoo
@@ -48,8 +47,8 @@ public:
         Body body{ground.materials(), std::make_unique<ConvolutionField>(ground, sigma), nullptr, tiles_};
         body.patches = make(*body.field);
         tiles_ += body.patches->tile_count();
+        shown_.show(body.set);
         bodies_.push_back(std::move(body));
-        name_materials();
     }
 
     /// After all bodies: the water that stands on the first of them.
@@ -58,19 +57,7 @@ public:
         water_ = std::make_unique<WaterPatches>(*bodies_.front().field);
         first_water_tile_ = tiles_;
         tiles_ += water_->tile_count();
-        name_materials();
-    }
-
-    void name_materials()
-    {
-        names_.clear();
-        for (std::size_t m = 0; m < kMaterialCount; ++m) {
-            bool used = false;
-            for (const Body& b : bodies_) used = used || ((b.set >> m) & 1u);
-            used = used || (water_ && static_cast<Material>(m) == Material::water);
-            index_of_[m] = static_cast<std::uint8_t>(names_.size());
-            if (used) names_.push_back(material_name(static_cast<Material>(m)));
-        }
+        shown_.show(material_set({Material::water}));
     }
 
     std::vector<std::uint32_t> rebuild(const ColumnSet& changed) override
@@ -102,9 +89,7 @@ public:
     void add_rocks(Instances rocks)
     {
         rocks_ = std::move(rocks);
-        const auto found = std::find(names_.begin(), names_.end(), rocks_.material);
-        rocks_.material_index = static_cast<std::uint8_t>(found - names_.begin());
-        if (found == names_.end()) names_.push_back(rocks_.material);
+        rocks_.material_index = shown_.show(rocks_.material);
     }
 
     void set_build_seconds(double seconds) { build_seconds_ = seconds; }
@@ -163,7 +148,7 @@ public:
         at.shading_normal = into_hemisphere(smooth.normalized(), at.geometric_normal);
         at.spawn_offset = spawn_offset(body, value, at);
         at.texture_point = at.position;
-        add_materials(body, near, at);
+        shown_.blend(*body.field, body.set, near, at);
         return at;
     }
 
@@ -174,7 +159,7 @@ public:
         const Vec3d smooth = near.neighbourhood(at.position, normal_width_).smoothed;
         at.shading_normal = into_hemisphere(smooth.normalized(), at.geometric_normal);
         at.texture_point = at.position;
-        add_materials(body, near, at);
+        shown_.blend(*body.field, body.set, near, at);
     }
 
     bool contains(const Vec3d& p) const override
@@ -185,7 +170,7 @@ public:
         return water_ && water_->contains(p);
     }
 
-    std::vector<std::string> materials() const override { return names_; }
+    std::vector<std::string> materials() const override { return shown_.names(); }
     const Instances* instances() const override { return rocks_.instances.empty() ? nullptr : &rocks_; }
     bool closed() const override { return bodies_.front().field->ground().border() == Border::cut; }
 
@@ -224,7 +209,7 @@ private:
         Hit own = hit;
         own.patch.tile -= first_water_tile_;
         Interaction at = water_->interact(ray, own);
-        at.materials.add(index_of_[static_cast<std::size_t>(Material::water)], 1.0f);
+        shown_.dress(Material::water, at);
         // Off the water; and off the ground too, where the shore is so near that its field cannot tell, unless the shore stands upright.
         const double least = std::max(2.0 * at.position_error, 1e-9 * stack_->cell()), most = 1e-3 * stack_->cell();
         const auto dry = [&](double offset) {
@@ -268,46 +253,14 @@ private:
         return std::abs(d.x) <= reach && std::abs(d.y) <= reach && std::abs(d.z) <= reach;
     }
 
-    void add_materials(const Body& body, const ColumnsAround& near, Interaction& at) const
-    {
-        const unsigned around = near.materials() & body.set;
-        if (std::has_single_bit(around)) {
-            at.materials.add(index_of_[static_cast<std::size_t>(std::countr_zero(around))], 1.0f);
-            return;
-        }
-        if (const std::optional<Material> only = only_visible(body.field->ground(), body.set, body.field->sigma(), at.position)) {
-            at.materials.add(index_of_[static_cast<std::size_t>(*only)], 1.0f);
-            return;
-        }
-        const auto areas = visible_areas(body.field->ground(), body.set, body.field->sigma(), at.position);
-        double sum = 0.0;
-        for (const double area : areas) sum += area;
-        if (!(sum > 0.0)) {
-            at.materials.add(index_of_[static_cast<std::size_t>(first_of(body.set))], 1.0f);
-            return;
-        }
-        for (std::size_t m = 0; m < kMaterialCount; ++m) {
-            if (areas[m] > 0.0) at.materials.add(index_of_[m], static_cast<float>(areas[m] / sum));
-        }
-    }
-
-    static Material first_of(MaterialSet set)
-    {
-        if ((set >> static_cast<unsigned>(Material::bedrock)) & 1u) return Material::bedrock;
-        std::size_t m = 0;
-        while (!((set >> m) & 1u)) ++m;
-        return static_cast<Material>(m);
-    }
-
     std::shared_ptr<const MaterialStack> stack_;
     double normal_width_;
     std::vector<Body> bodies_;
     std::unique_ptr<const WaterPatches> water_;
     std::uint32_t first_water_tile_ = 0;
     std::uint32_t tiles_ = 0;
-    std::vector<std::string> names_;
+    StackMaterials shown_;
     Instances rocks_;
-    std::array<std::uint8_t, kMaterialCount> index_of_{};
     double build_seconds_ = 0.0;
 };
 

@@ -2,6 +2,8 @@
 // No paper. The mean comes from two passes of running sums, so that its cost does not depend on the reach. Edges are repeated.
 #include "terrain/surfaces/drift.h"
 
+#include "terrain/math/smoothstep.h"
+
 #include <algorithm>
 
 namespace hoodoo
@@ -49,10 +51,10 @@ std::vector<double> drift_thickness(const std::vector<double>& ground, Vec2i siz
                 return ground[static_cast<std::size_t>(std::clamp(y, 0, size.y - 1)) * size.x + std::clamp(x, 0, size.x - 1)];
             };
             const double slope = std::atan(std::hypot(at(i + 1, j) - at(i - 1, j), at(i, j + 1) - at(i, j - 1)) / (2.0 * cell));
-            const double t = std::clamp((drift.steep - slope) / (drift.steep - drift.flat), 0.0, 1.0);
+            const double bears = smoothstep((drift.steep - slope) / (drift.steep - drift.flat));
             const std::size_t c = static_cast<std::size_t>(j) * size.x + i;
             const double hollow = std::max(0.0, mean[c] - ground[c]);
-            thickness[c] = t * t * (3.0 - 2.0 * t) * (drift.thickness + drift.fill * hollow);
+            thickness[c] = bears * (drift.thickness + drift.fill * hollow);
         }
     }
     return thickness;

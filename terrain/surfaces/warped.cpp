@@ -10,6 +10,7 @@
 #include "terrain/fields/warped_field.h"
 #include "terrain/march/field_patches.h"
 #include "terrain/surfaces/flow_tables.h"
+#include "terrain/surfaces/patch_parameters.h"
 #include "terrain/surfaces/refine.h"
 #include "terrain/surfaces/rows.h"
 
@@ -84,15 +85,7 @@ public:
         if (!(at.geometric_normal.length() > 1e-12)) at.geometric_normal = differences(at.position, duration);
         at.geometric_normal.normalize();
 
-        Interaction below;
-        below.position = rest.point;
-        below.geometric_normal = slope.length() > 0.0 ? slope.normalized() : at.geometric_normal;
-        base_->dress(below);
-        const Vec3d smooth = apply_transposed(rest.jacobian, below.shading_normal);
-        at.shading_normal = smooth.length() > 0.0 ? into_hemisphere(smooth.normalized(), at.geometric_normal) : at.geometric_normal;
-        at.uv = below.uv;
-        at.texture_point = below.texture_point;
-        at.materials = below.materials;
+        wear(rest, slope, at);
 
         // Doubled until the field says air for certain.
         at.spawn_offset = 2.0 * at.position_error;
@@ -104,15 +97,7 @@ public:
     void dress(Interaction& at) const override
     {
         const Carried rest = field_.warp().inverse_with_jacobian(at.position, open_);
-        Interaction below;
-        below.position = rest.point;
-        below.geometric_normal = field_.base().gradient(rest.point).normalized();
-        base_->dress(below);
-        const Vec3d smooth = apply_transposed(rest.jacobian, below.shading_normal);
-        at.shading_normal = smooth.length() > 0.0 ? into_hemisphere(smooth.normalized(), at.geometric_normal) : at.geometric_normal;
-        at.uv = below.uv;
-        at.texture_point = below.texture_point;
-        at.materials = below.materials;
+        wear(rest, field_.base().gradient(rest.point), at);
     }
 
     bool contains(const Vec3d& p) const override { return field_.value(p) <= 0.0 && exists(p, 0.0); }
@@ -131,6 +116,19 @@ public:
     }
 
 private:
+    /// The base's looks at the point that `rest` says, `slope` being its gradient there; its shading normal carried along.
+    void wear(const Carried& rest, const Vec3d& slope, Interaction& at) const
+    {
+        Interaction below;
+        below.position = rest.point;
+        below.geometric_normal = slope.length() > 0.0 ? slope.normalized() : at.geometric_normal;
+        base_->dress(below);
+        const Vec3d smooth = apply_transposed(rest.jacobian, below.shading_normal);
+        at.shading_normal = smooth.length() > 0.0 ? into_hemisphere(smooth.normalized(), at.geometric_normal) : at.geometric_normal;
+        at.uv = below.uv;
+        at.texture_point = below.texture_point;
+        at.materials = below.materials;
+    }
     double duration_at(double time) const { return open_ + (close_ - open_) * time; }
 
     double value(const Vec3d& p, double time) const override { return field_.value(p, duration_at(time)); }
@@ -204,8 +202,7 @@ Shape make_warped(const Values& values, const BuildContext& context)
             throw values.problem(values.has("region_max") ? "region_max" : "base", "the region to trace is empty", "min below max");
     const Vec3d size = settings.domain.size();
     settings.size = values.has("patch") ? values.number("patch") : std::max({size.x, size.y, size.z}) / 160.0;
-    settings.mode = values.text("mode") == "paper" ? MarchMode::paper : MarchMode::certified;
-    settings.epsilon = values.number("epsilon");
+    read_search(values, settings);
     settings.epsilon_distance = values.number("epsilon_distance");
     if (context.progress) context.progress(0.3, "patches");
     surface->make_patches(settings);
@@ -246,18 +243,6 @@ CatalogueEntry warped_row()
          .above_minimum = true},
         {.name = "region_min", .type = ParameterType::vector, .doc = "Lower corner of what is traced.", .unit = "m", .min_count = 3, .max_count = 3},
         {.name = "region_max", .type = ParameterType::vector, .doc = "Upper corner of what is traced.", .unit = "m", .min_count = 3, .max_count = 3},
-        {.name = "mode",
-         .type = ParameterType::choice,
-         .doc = "certified: no crossing is missed; paper: the area test of Gamito and Musgrave, to compare.",
-         .fallback = std::string("certified"),
-         .choices = {"certified", "paper"}},
-        {.name = "epsilon",
-         .type = ParameterType::number,
-         .doc = "Paper mode: largest area of a triangle of the warped ray, at the base's surface.",
-         .fallback = 1e-3,
-         .unit = "m2",
-         .minimum = 0,
-         .above_minimum = true},
         {.name = "epsilon_distance",
          .type = ParameterType::length,
          .doc = "Paper mode: at this distance from the base's surface (in its field's own measure) the area may be twice as large.",
@@ -266,6 +251,7 @@ CatalogueEntry warped_row()
          .minimum = 0,
          .above_minimum = true},
     };
+    for (Parameter& p : search_parameters("the base's surface", 1e-3)) schema.parameters.push_back(std::move(p));
     return {"warped", "Gamito2001", std::move(schema), make_warped};
 }
 

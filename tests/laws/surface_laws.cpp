@@ -3,7 +3,7 @@
 #include "terrain/catalogue.h"
 #include "tests/counts.h"
 #include "tests/support/catalogue_rows.h"
-#include "tests/support/surface_laws.h"
+#include "tests/expect_law.h"
 
 #include <gtest/gtest.h>
 
@@ -42,12 +42,6 @@ protected:
     BuiltRow built_;
     std::vector<Ray> rays_;
 };
-
-#define EXPECT_LAW(verdict)                \
-    do {                                   \
-        const Verdict v = (verdict);       \
-        EXPECT_TRUE(v.holds()) << v.fault; \
-    } while (false)
 
 TEST_P(SurfaceLaws, enough_rays_hit)
 {

@@ -2,7 +2,7 @@
 #include "tests/counts.h"
 #include "tests/support/catalogue_rows.h"
 #include "tests/support/numbers.h"
-#include "tests/support/surface_laws.h"
+#include "tests/expect_law.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -51,12 +51,6 @@ protected:
     BuiltRow built_;
     std::vector<Ray> rays_;
 };
-
-#define EXPECT_LAW(verdict)                \
-    do {                                   \
-        const Verdict v = (verdict);       \
-        EXPECT_TRUE(v.holds()) << v.fault; \
-    } while (false)
 
 TEST_P(WaterLaws, hold_for_a_surface_with_water)
 {

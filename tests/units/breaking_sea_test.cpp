@@ -40,7 +40,7 @@ BreakingSea lively()
     b.heading = Vec2d(-0.8, 0.6);
     b.start = 1.5;
     b.intensity = 4.7;
-    return {{a, b}, three_swells(), 1.25, {60.0, 80.0, {0.0, 0.0}}};
+    return {{a, b}, Swells(three_swells(), {60.0, 80.0, {0.0, 0.0}}), 1.25};
 }
 
 TEST(BreakingSea, a_wave_of_full_intensity_is_the_golden_profile)
@@ -59,7 +59,7 @@ TEST(BreakingSea, a_wave_of_full_intensity_is_the_golden_profile)
         // Long after the steepening and long before the collapse: the golden T exactly.
         b.steepening = 1.0;
         b.collapse = 1e9;
-        const BreakingSea sea({b}, {}, -b.shape.depth, {});
+        const BreakingSea sea({b}, Swells(), -b.shape.depth);
         const Vec3d p(f["x"], 0.0, f["z"]);
         EXPECT_NEAR(sea.value(p, 1.0), f["F"].get<double>(), 1e-9) << f;
         const Vec3d g = sea.gradient(p, 1.0);
