@@ -13,6 +13,7 @@ namespace hoodoo
 
 std::span<const CatalogueEntry> catalogue()
 {
+    // clang-format off
     static const std::vector<CatalogueEntry> rows = {
         plane_row(),
         mesh_row(),
@@ -21,6 +22,7 @@ std::span<const CatalogueEntry> catalogue()
         canyon_row(),
         rock_pile_row(),
     };
+    // clang-format on
     return rows;
 }
 
