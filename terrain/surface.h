@@ -48,6 +48,7 @@ struct Interaction {
     Vec3d geometric_normal{0, 0, 1};  ///< unit, towards air (a mesh: towards its front side)
     Vec3d shading_normal{0, 0, 1};    ///< unit, in the hemisphere of geometric_normal
     Vec2d uv{0.0};                    ///< surface coordinates where the representation has them, else 0
+    Vec3d velocity{0.0};              ///< of the surface's point there, metres a unit of Ray::time: what motion vectors show
     Vec3d texture_point{0.0};         ///< where procedural and triplanar textures are looked up (rest space), metres
     MaterialWeights materials;
     std::uint32_t instance = 0;     ///< id of the instance it lies on, from 1; 0: on none
@@ -75,6 +76,7 @@ struct SurfaceInfo {
     RockInfo rocks;
 };
 
+class Density;
 class Field;
 struct Instances;
 
@@ -139,6 +141,9 @@ public:
     /// Meshes that lie on the surface and are a part of the same object, alive as long as it; nullptr where there are none. The verbs above do not
     /// know them: a tracer asks both. Their material is one of materials().
     virtual const Instances* instances() const { return nullptr; }
+
+    /// Foam and spray about the surface, alive as long as it; nullptr where there are none. The scene says what it is made of.
+    virtual const Density* density() const { return nullptr; }
 };
 
 }  // namespace hoodoo
