@@ -78,6 +78,7 @@ struct SurfaceInfo {
 
 class Density;
 class Field;
+class Height;
 struct Instances;
 
 /// All functions are const, pure and thread-safe after construction.
@@ -137,6 +138,9 @@ public:
         const Field* only = field();
         return only ? std::vector<const Field*>{only} : std::vector<const Field*>{};
     }
+
+    /// The height over the plane that the surface is, alive as long as it; nullptr where it is none. What stands on heights asks for it.
+    virtual const Height* height() const { return nullptr; }
 
     /// Meshes that lie on the surface and are a part of the same object, alive as long as it; nullptr where there are none. The verbs above do not
     /// know them: a tracer asks both. Their material is one of materials().

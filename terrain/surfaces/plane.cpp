@@ -4,8 +4,11 @@
 // distance of the result from the plane is then at most 8 * 2^-53 * (|o - p| + t + |p|), the stated error.
 // Deviation: it ends at a circle of the radius `extent`, since what is traced has a box.
 #include "terrain/error.h"
-#include "terrain/field.h"
+#include "terrain/fields/height.h"
 #include "terrain/surfaces/rows.h"
+
+#include <algorithm>
+#include <optional>
 
 namespace hoodoo
 {
@@ -14,6 +17,7 @@ namespace
 {
 
 constexpr double kRounding = 8 * 0x1p-53;
+constexpr double kUpright = 1e-6;  // below this a normal's upward part makes the plane a wall, which is no height
 
 /// The height above the plane: the simplest field, and what a warp starts from.
 class PlaneField final : public Field
@@ -49,6 +53,49 @@ private:
     Vec3d point_, normal_;
 };
 
+/// The same as a height, where the plane is not upright.
+class PlaneHeight final : public Height
+{
+public:
+    PlaneHeight(const Vec3d& point, const Vec3d& normal, double extent)
+        : point_(point), slope_(-normal.x / normal.z, -normal.y / normal.z), extent_(extent)
+    {
+    }
+    double height(const Vec2d& p) const override
+    {
+        const Vec2d q = nearest(p);
+        return point_.z + slope_.x * (q.x - point_.x) + slope_.y * (q.y - point_.y);
+    }
+    Vec2d gradient(const Vec2d& p) const override
+    {
+        const Vec2d q = nearest(p);
+        return {q.x == p.x ? slope_.x : 0.0, q.y == p.y ? slope_.y : 0.0};
+    }
+    Interval range(const Box2d& area) const override
+    {
+        const Vec2d low = nearest(area.min), high = nearest(area.max), half = (high - low) * 0.5;
+        const double centre = height((low + high) * 0.5), reach = std::abs(slope_.x) * half.x + std::abs(slope_.y) * half.y;
+        const double rounding = 4.0 * kRounding * (std::abs(point_.z) + slope_.length() * 4.0 * extent_);
+        return {centre - reach - rounding, centre + reach + rounding};
+    }
+    double slope_bound(const Box2d&) const override { return slope_.length() * (1.0 + 4.0 * kRounding); }
+    Box2d domain() const override
+    {
+        // The box about the disc's outline from above.
+        const Vec2d middle(point_.x, point_.y);
+        return {middle - Vec2d(extent_), middle + Vec2d(extent_)};
+    }
+
+private:
+    Vec2d nearest(const Vec2d& p) const
+    {
+        return {std::clamp(p.x, point_.x - extent_, point_.x + extent_), std::clamp(p.y, point_.y - extent_, point_.y + extent_)};
+    }
+    Vec3d point_;
+    Vec2d slope_;
+    double extent_;
+};
+
 class Plane final : public Surface
 {
 public:
@@ -56,6 +103,7 @@ public:
         : point_(point), normal_(normal.normalized()), extent_(extent), material_(std::move(material)), field_(point_, normal_)
     {
         orthonormal_frame(normal_, u_, v_);
+        if (normal_.z > kUpright) height_.emplace(point_, normal_, extent_);
     }
 
     std::uint32_t patch_count(std::uint32_t) const override { return 1; }
@@ -107,6 +155,7 @@ public:
     std::vector<std::string> materials() const override { return {material_}; }
     bool closed() const override { return false; }
     const Field* field() const override { return &field_; }
+    const Height* height() const override { return height_ ? &*height_ : nullptr; }
 
     SurfaceInfo info() const override
     {
@@ -123,6 +172,7 @@ private:
     double extent_;
     std::string material_;
     PlaneField field_;
+    std::optional<PlaneHeight> height_;
 };
 
 Shape make_plane(const Values& values, const BuildContext&)
