@@ -21,9 +21,15 @@ std::span<const CatalogueEntry> catalogue()
         warped_row(),
         canyon_row(),
         rock_pile_row(),
+        cracked_row(),
     };
     // clang-format on
     return rows;
+}
+
+std::vector<CatalogueEntry> height_rows()
+{
+    return {plane_row()};
 }
 
 const CatalogueEntry* find_in_catalogue(const std::string& name)

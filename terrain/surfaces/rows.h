@@ -12,5 +12,9 @@ CatalogueEntry convolution_row();
 CatalogueEntry warped_row();
 CatalogueEntry canyon_row();
 CatalogueEntry rock_pile_row();
+CatalogueEntry cracked_row();
+
+/// The rows whose surfaces are heights over the plane by themselves: what another row may take as its ground, in a table of its own.
+std::vector<CatalogueEntry> height_rows();
 
 }  // namespace hoodoo

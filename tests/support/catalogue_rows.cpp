@@ -141,6 +141,15 @@ const std::vector<RowInstance>& row_instances()
          [](const Vec3d& s) {
              return fmt::format("base = {}\nsize = [3.4, 3.0, 1.6]\nrocks_per_tile = 12\nrock_detail = 3\nform = \"bed\"\n", vector_text(s));
          }},
+        {"cracked", "cracked_plane",
+         [](const Vec3d& s) {
+             return fmt::format(
+                 "n = 30\nlambda = 0.2\npatch = 0.5\nregion_min = [{:.17g}, {:.17g}]\nregion_max = [{:.17g}, {:.17g}]\n[[ground]]\ntype = "
+                 "\"plane\"\npoint = {}\n"
+                 "normal = [0.3, -0.2, 1.0]\nextent = 20.0\n",
+                 s.x - 4, s.y - 3, s.x + 6, s.y + 5, vector_text(Vec3d(1, 2, 3) + s));
+         },
+         0.9},
     };
     return rows;
 }

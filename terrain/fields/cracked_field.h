@@ -1,0 +1,59 @@
+// A height with cracks in it, as one implicit function: matter is where z <= h'(x, y), and the walls between are exactly vertical.
+#pragma once
+
+#include "terrain/fields/crack_network.h"
+#include "terrain/fields/height.h"
+
+#include <memory>
+
+namespace hoodoo
+{
+
+/// Immutable, thread-safe. World metres, except where a function says "local": then x and y count from corner().
+class CrackedField final : public Field
+{
+public:
+    /// The network's box is the region relative to `corner`; `zero` and `one` are the elevations that count as height 0 and 1, zero < one.
+    CrackedField(std::shared_ptr<const Height> ground, CrackNetwork network, const CrackDepth& depth, const Vec2d& corner, double zero, double one);
+
+    const Height& ground() const { return *ground_; }
+    const CrackNetwork& network() const { return network_; }
+    const CrackDepth& depth() const { return depth_; }
+    const Vec2d& corner() const { return corner_; }
+    double zero() const { return zero_; }
+    double one() const { return zero_ + span_; }
+    /// The rectangle whose ground is cracked, world.
+    Box2d region() const { return {network_.diagram().box().min + corner_, network_.diagram().box().max + corner_}; }
+    Vec2d local(const Vec2d& p) const { return p - corner_; }
+
+    /// The crack map: whether aleph = 1 (Li2023, equation 4).
+    bool cracked(const Vec2d& p) const { return network_.cracked(local(p)); }
+    /// h' in metres (equation 1).
+    double height(const Vec2d& p) const;
+    /// iota of the ground there (equations 2 and 3): 1 below the border line, 0 above it and its error.
+    double iota(const Vec2d& p) const { return depth_.iota((ground_->height(p) - zero_) / span_); }
+
+    /// For a piece of a ray: F = lifted(z) - h, with lifted(z) = z outside of cracks; its sign is that of z - h'.
+    double lifted(double z, bool in_crack) const { return in_crack ? zero_ + span_ * depth_.ground((z - zero_) / span_) : z; }
+    /// The derivative of lifted(z) in a crack.
+    double lifted_slope(double z) const { return depth_.ground_slope((z - zero_) / span_); }
+    /// Whether lifted(z) in a crack is a straight line over these elevations.
+    bool lifted_is_linear(const Interval& z) const;
+    /// The elevation of a crack's floor in ground of elevation `h`.
+    double floor(double h) const { return zero_ + span_ * depth_.floor((h - zero_) / span_); }
+
+    double value(const Vec3d& p) const override;
+    Vec3d gradient(const Vec3d& p) const override;
+    double slope_bound(const Segment& segment) const override;
+    Interval range(const Box3d& box) const override;
+    Box3d bounds() const override;
+
+private:
+    std::shared_ptr<const Height> ground_;
+    CrackNetwork network_;
+    CrackDepth depth_;
+    Vec2d corner_;
+    double zero_, span_;
+};
+
+}  // namespace hoodoo
