@@ -69,28 +69,43 @@ private:
 
 }  // namespace
 
-std::vector<Vec2d> crack_sites(std::uint64_t seed, int n, const Box2d& box, SiteKind kind)
+Box2d crack_box(int n, const Box2d& area)
 {
-    const auto draw = [&](int k, int attempt) {
-        const Vec2d u(unit_real(hash_cell(seed, k, attempt, 0)), unit_real(hash_cell(seed, k, attempt, 1)));
-        return box.min + u * box.size();
-    };
-    std::vector<Vec2d> sites;
-    if (kind == SiteKind::random) {
-        for (int k = 0; k < n; ++k) sites.push_back(draw(k, 0));
-        return sites;
-    }
-    // Mitchell's best candidate (Mitchell1991).
+    const Vec2d size = area.size();
+    const Vec2d rim(kCrackRim * std::sqrt(size.x * size.y / n));
+    return {area.min - rim, area.max + rim};
+}
+
+std::vector<Vec2d> crack_sites(std::uint64_t seed, int n, const Box2d& area, SiteKind kind)
+{
+    const Box2d box = crack_box(n, area);
+    const auto rim = static_cast<int>(std::lround(n * (box.size().x * box.size().y / (area.size().x * area.size().y) - 1.0)));
+    // Mitchell's best candidate (Mitchell1991), of one where they are independent.
+    const int attempts = kind == SiteKind::even ? 16 : 1;
     SiteGrid grid(box, n);
-    for (int k = 0; k < n; ++k) {
-        Vec2d best;
-        double farthest = -1.0;
-        for (int attempt = 0; attempt < 16; ++attempt) {
-            const Vec2d p = draw(k, attempt);
+    std::vector<Vec2d> sites;
+    const auto place = [&](const auto& draw) {
+        Vec2d best = draw(0);
+        double farthest = kind == SiteKind::even ? grid.nearest2(best) : 0.0;
+        for (int attempt = 1; attempt < attempts; ++attempt) {
+            const Vec2d p = draw(attempt);
             const double d = grid.nearest2(p);
             if (d > farthest) farthest = d, best = p;
         }
         grid.add(sites.emplace_back(best));
+    };
+    const auto uniform = [](std::uint64_t h, const Box2d& within) {
+        return within.min + Vec2d(unit_real(hash_cell(h, 0, 0)), unit_real(hash_cell(h, 1, 0))) * within.size();
+    };
+    for (int k = 0; k < n; ++k) place([&](int attempt) { return uniform(hash_cell(seed, k, attempt, 0), area); });
+    for (int k = 0; k < rim; ++k) {
+        place([&](int attempt) {
+            // Drawn until outside of the area; a rim is there, so it ends.
+            for (std::int64_t again = 0;; ++again) {
+                const Vec2d p = uniform(hash_combine(hash_cell(seed, k, attempt, 1), static_cast<std::uint64_t>(again)), box);
+                if (!area.intersects(p)) return p;
+            }
+        });
     }
     return sites;
 }

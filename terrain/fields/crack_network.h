@@ -15,8 +15,14 @@ enum class SiteKind : std::uint8_t {
     even,    ///< each the best of 16 draws, farthest from those before it: cells of like size
 };
 
-/// `n` sites in the box, functions of the seed alone. With SiteKind::random a larger n keeps the sites of a smaller one.
-std::vector<Vec2d> crack_sites(std::uint64_t seed, int n, const Box2d& box, SiteKind kind);
+/// Sites are drawn this far beyond the ground too, in units of their mean spacing: the least that keeps cracks as dense at its rim as elsewhere.
+constexpr double kCrackRim = 0.25;
+
+/// `n` sites in the area, then those of the rim around it, as many to a square metre: functions of the seed alone. With SiteKind::random a larger n
+/// keeps the first sites of a smaller one.
+std::vector<Vec2d> crack_sites(std::uint64_t seed, int n, const Box2d& area, SiteKind kind);
+/// The area with its rim.
+Box2d crack_box(int n, const Box2d& area);
 
 /// The crack map (aleph) of a diagram. Immutable, thread-safe.
 class CrackNetwork

@@ -12,9 +12,9 @@
 namespace hoodoo
 {
 
-CrackedField::CrackedField(std::shared_ptr<const Height> ground, CrackNetwork network, const CrackDepth& depth, const Vec2d& corner, double zero,
+CrackedField::CrackedField(std::shared_ptr<const Height> ground, CrackNetwork network, const CrackDepth& depth, const Box2d& region, double zero,
                            double one)
-    : ground_(std::move(ground)), network_(std::move(network)), depth_(depth), corner_(corner), zero_(zero), span_(one - zero)
+    : ground_(std::move(ground)), network_(std::move(network)), depth_(depth), region_(region), zero_(zero), span_(one - zero)
 {
 }
 
@@ -64,7 +64,7 @@ double CrackedField::slope_bound(const Segment& segment) const
 Interval CrackedField::range(const Box3d& box) const
 {
     const Box2d area = area_under(box);
-    const Interval h = ground_->range(area), d = network_.distance_range({area.min - corner_, area.max - corner_});
+    const Interval h = ground_->range(area), d = network_.distance_range({local(area.min), local(area.max)});
     const double half = 0.5 * network_.width();
     const auto least = [&](double z, double ground, double distance) {
         return std::min(lifted(z, true) - ground, std::max(z - ground, half - distance));
@@ -74,9 +74,8 @@ Interval CrackedField::range(const Box3d& box) const
 
 Box3d CrackedField::bounds() const
 {
-    const Box2d area = region();
-    const Interval h = ground_->range(area);
-    return {Vec3d(area.min.x, area.min.y, -kInfinity), Vec3d(area.max.x, area.max.y, h.hi)};
+    const Interval h = ground_->range(region_);
+    return {Vec3d(region_.min.x, region_.min.y, -kInfinity), Vec3d(region_.max.x, region_.max.y, h.hi)};
 }
 
 }  // namespace hoodoo

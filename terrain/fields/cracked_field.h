@@ -9,22 +9,21 @@
 namespace hoodoo
 {
 
-/// Immutable, thread-safe. World metres, except where a function says "local": then x and y count from corner().
+/// Immutable, thread-safe. World metres, except where a function says "local": then x and y count from the lower corner of region().
 class CrackedField final : public Field
 {
 public:
-    /// The network's box is the region relative to `corner`; `zero` and `one` are the elevations that count as height 0 and 1, zero < one.
-    CrackedField(std::shared_ptr<const Height> ground, CrackNetwork network, const CrackDepth& depth, const Vec2d& corner, double zero, double one);
+    /// The network's places count from the lower corner of `region`; `zero` and `one` are the elevations that count as height 0 and 1, zero < one.
+    CrackedField(std::shared_ptr<const Height> ground, CrackNetwork network, const CrackDepth& depth, const Box2d& region, double zero, double one);
 
     const Height& ground() const { return *ground_; }
     const CrackNetwork& network() const { return network_; }
     const CrackDepth& depth() const { return depth_; }
-    const Vec2d& corner() const { return corner_; }
     double zero() const { return zero_; }
     double one() const { return zero_ + span_; }
     /// The rectangle whose ground is cracked, world.
-    Box2d region() const { return {network_.diagram().box().min + corner_, network_.diagram().box().max + corner_}; }
-    Vec2d local(const Vec2d& p) const { return p - corner_; }
+    const Box2d& region() const { return region_; }
+    Vec2d local(const Vec2d& p) const { return p - region_.min; }
 
     /// The crack map: whether aleph = 1 (Li2023, equation 4).
     bool cracked(const Vec2d& p) const { return network_.cracked(local(p)); }
@@ -52,7 +51,7 @@ private:
     std::shared_ptr<const Height> ground_;
     CrackNetwork network_;
     CrackDepth depth_;
-    Vec2d corner_;
+    Box2d region_;
     double zero_, span_;
 };
 
