@@ -183,4 +183,15 @@ double CrackDepth::ground_slope(double z) const
     return 1.0 / std::sqrt(b * b + 4.0 * a * z);
 }
 
+double CrackDepth::ground_bend(const Interval& z) const
+{
+    const double middle = 0.5 * (z.lo + z.hi);
+    if (epsilon == 0.0 || middle <= (1.0 - kappa) * psi || middle >= psi + epsilon) return 0.0;
+    // The second derivative of the root above is -2a / (b^2 + 4 a z)^(3/2): largest at the lower end, where at z = (1 - kappa) psi the base is
+    // (1 - kappa + kappa psi / epsilon)^2 > 0.
+    const double a = kappa / epsilon, b = 1.0 - kappa - kappa * psi / epsilon;
+    const double base = b * b + 4.0 * a * std::max(z.lo, (1.0 - kappa) * psi);
+    return 2.0 * a / (base * std::sqrt(base)) * (1.0 + 1e-9);
+}
+
 }  // namespace hoodoo

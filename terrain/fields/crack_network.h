@@ -4,6 +4,7 @@
 #include "terrain/fields/voronoi.h"
 #include "terrain/math/interval.h"
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -82,8 +83,12 @@ struct CrackDepth {
     double ground(double z) const;
     /// The derivative of ground(), from above where it has a kink.
     double ground_slope(double z) const;
-    /// Proved bounds of ground_slope(), all z.
+    /// A proved bound of ground_slope(), all z.
     double most_ground_slope() const { return 1.0 / (1.0 - kappa); }
+    /// Where ground_slope() jumps, in order: between them ground() is smooth.
+    std::array<double, 3> kinks() const { return {0.0, (1.0 - kappa) * psi, psi + epsilon}; }
+    /// A proved bound of |ground_slope(y) - ground_slope(z)| / |y - z| over lo to hi, between which no kink lies (at the ends it may).
+    double ground_bend(const Interval& z) const;
 };
 
 template <class Visit>

@@ -24,11 +24,11 @@ double CrackedField::height(const Vec2d& p) const
     return cracked(p) ? floor(h) : h;
 }
 
-bool CrackedField::lifted_is_linear(const Interval& z) const
+std::array<double, 3> CrackedField::kinks() const
 {
-    const double lo = (z.lo - zero_) / span_, hi = (z.hi - zero_) / span_;
-    const double deep = (1.0 - depth_.kappa) * depth_.psi, none = depth_.psi + depth_.epsilon;
-    return hi <= 0.0 || lo >= none || (lo >= 0.0 && hi <= deep);
+    std::array<double, 3> at = depth_.kinks();
+    for (double& z : at) z = zero_ + span_ * z;
+    return at;
 }
 
 double CrackedField::value(const Vec3d& p) const

@@ -36,8 +36,10 @@ public:
     double lifted(double z, bool in_crack) const { return in_crack ? zero_ + span_ * depth_.ground((z - zero_) / span_) : z; }
     /// The derivative of lifted(z) in a crack.
     double lifted_slope(double z) const { return depth_.ground_slope((z - zero_) / span_); }
-    /// Whether lifted(z) in a crack is a straight line over these elevations.
-    bool lifted_is_linear(const Interval& z) const;
+    /// The elevations at which that jumps, in order.
+    std::array<double, 3> kinks() const;
+    /// A proved bound of how fast it changes over these elevations, between which no kink lies.
+    double lifted_bend(const Interval& z) const { return depth_.ground_bend({(z.lo - zero_) / span_, (z.hi - zero_) / span_}) / span_; }
     /// The elevation of a crack's floor in ground of elevation `h`.
     double floor(double h) const { return zero_ + span_ * depth_.floor((h - zero_) / span_); }
 

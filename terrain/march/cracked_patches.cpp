@@ -1,7 +1,8 @@
 // A ray over cracked ground is cut where it enters and leaves cracks; on each stretch one continuous height is met, and where two stretches disagree
 // about the side there is a wall.
 // The cuts are quotients of two numbers (fields/crack_network.h), the same for every patch that the ray crosses, so a wall is met at one place to the
-// last bit and its normal is that of the border it belongs to. On a stretch the search is that of first_crossing.h, with bounds of the ground's slope
+// last bit and its normal is that of the border it belongs to. On a stretch (of a crack: between the
+// elevations where its floor's formula changes) the search is that of first_crossing.h, with bounds of the ground's slope
 // and curvature over the patch, and closer ones where these do not decide. A patch is one rectangle of the region, as high as the heights over it:
 // from the floor of the deepest crack that may be in it to the highest ground. Rectangles overlap by a hair, so that what happens on their common
 // side lies well inside one of them. Missing: triangles of a height map are met as any other height, not by their planes.
@@ -140,12 +141,28 @@ bool CrackedPatches::intersect(std::uint32_t index, const Ray& ray, Hit& hit) co
 
 bool CrackedPatches::search(const Patch& patch, const Ray& ray, const CrackNetwork::Piece& piece, double& t, std::uint32_t& evaluations) const
 {
+    if (!piece.cracked) return search_smooth(patch, ray, piece, t, evaluations);
+    // Cut at the elevations where the floor's formula changes: between them it has a second derivative, without which a grazing ray takes for ever.
+    std::array<double, 3> cuts = field_.kinks();
+    for (double& cut : cuts) cut = ray.direction.z != 0.0 ? std::clamp((cut - ray.origin.z) / ray.direction.z, piece.from, piece.to) : piece.to;
+    if (ray.direction.z < 0.0) std::swap(cuts[0], cuts[2]);
+    CrackNetwork::Piece part = piece;
+    for (const double cut : {cuts[0], cuts[1], cuts[2], piece.to}) {
+        part.to = cut;
+        if (part.from < part.to && search_smooth(patch, ray, part, t, evaluations)) return true;
+        part.from = cut;
+    }
+    return false;
+}
+
+bool CrackedPatches::search_smooth(const Patch& patch, const Ray& ray, const CrackNetwork::Piece& piece, double& t, std::uint32_t& evaluations) const
+{
     const double flat = std::hypot(ray.direction.x, ray.direction.y), steep = std::abs(ray.direction.z);
-    const Interval z{std::min(ray.at(piece.from).z, ray.at(piece.to).z), std::max(ray.at(piece.from).z, ray.at(piece.to).z)};
+    const double z0 = ray.at(piece.from).z, z1 = ray.at(piece.to).z;
     const double rise = piece.cracked ? field_.depth().most_ground_slope() : 1.0;
-    const bool smooth = !piece.cracked || field_.lifted_is_linear(z);
+    const double bend = piece.cracked ? field_.lifted_bend({std::min(z0, z1), std::max(z0, z1)}) : 0.0;
     const auto bound = [&](double slope, double curvature) {
-        return PieceBound{slope * flat + rise * steep, smooth ? curvature * flat * flat : kInfinity};
+        return PieceBound{slope * flat + rise * steep, curvature * flat * flat + bend * steep * steep};
     };
     const auto f = [&](double s) {
         const Vec3d p = ray.at(s);
@@ -155,7 +172,7 @@ bool CrackedPatches::search(const Patch& patch, const Ray& ray, const CrackNetwo
         Box2d area(Vec2d(ray.at(from).x, ray.at(from).y));
         area.extendBy(Vec2d(ray.at(to).x, ray.at(to).y));
         area = Box2d(area.min - Vec2d(rounding_), area.max + Vec2d(rounding_));
-        return bound(field_.ground().slope_bound(area), smooth ? field_.ground().curvature_bound(area) : kInfinity);
+        return bound(field_.ground().slope_bound(area), field_.ground().curvature_bound(area));
     };
     const double accuracy = std::max(accuracy_, 16.0 * 0x1p-52 * std::abs(piece.to));
     evaluations += 2;

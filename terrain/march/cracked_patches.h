@@ -45,6 +45,8 @@ private:
     Box2d area(std::uint32_t index) const;
     Patch measure(const Box2d& area) const;
     bool search(const Patch& patch, const Ray& ray, const CrackNetwork::Piece& piece, double& t, std::uint32_t& evaluations) const;
+    /// Of a piece with one formula.
+    bool search_smooth(const Patch& patch, const Ray& ray, const CrackNetwork::Piece& piece, double& t, std::uint32_t& evaluations) const;
 
     const CrackedField& field_;
     double accuracy_, rounding_, hair_, base_ = 0.0;

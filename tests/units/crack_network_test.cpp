@@ -97,6 +97,31 @@ TEST(CrackNetwork, ground_is_the_inverse_of_the_floor)
     }
 }
 
+TEST(CrackNetwork, the_bend_bounds_how_the_slope_changes_between_kinks)
+{
+    for (const CrackDepth& depth : {CrackDepth{}, CrackDepth{0.9, 0.1, 0.05}, CrackDepth{0.3, 0.45, 0.01}, CrackDepth{0.3, 0.4, 0.0}}) {
+        const std::array<double, 3> kinks = depth.kinks();
+        const std::array<double, 5> ends{-0.5, kinks[0], kinks[1], kinks[2], 1.5};
+        double tightest = 0.0;
+        for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
+            for (int part = 0; part < 16; ++part) {
+                const double step = (ends[k + 1] - ends[k]) / 16.0, lo = ends[k] + step * part, hi = lo + step;
+                const double bound = depth.ground_bend({lo, hi});
+                for (int s = 0; s < 16; ++s) {
+                    const double y = lo + step * (s + 0.25) / 16.0, z = y + step / 32.0;
+                    const double change = std::abs(depth.ground_slope(y) - depth.ground_slope(z)) / (z - y);
+                    EXPECT_LE(change, bound * (1.0 + 1e-6) + 1e-9) << y;
+                    if (bound > 0.0) tightest = std::max(tightest, change / bound);
+                }
+            }
+        }
+        // A bound smaller by a twentieth would not hold.
+        if (depth.epsilon > 0.0) {
+            EXPECT_GT(tightest, 0.95);
+        }
+    }
+}
+
 TEST(CrackNetwork, nothing_cracks_where_the_height_is_zero_or_below)
 {
     const CrackDepth depth{0.9, 0.4, 0.2};
