@@ -71,9 +71,9 @@ TEST(CrackedRow, heights_count_from_the_lowest_to_the_highest_of_the_ground)
 
 TEST(CrackedRow, errors_say_what_is_wrong)
 {
-    EXPECT_EQ(error_of(flat("")), "t:3:1: the elevations of h = 0 and h = 1, expected zero below one (flat ground needs both), got 0 m and 0 m");
-    EXPECT_EQ(error_of("n = 3"), "t: what is cracked, expected either base = \"NAME\" or one [[ground]] table, got neither");
-    EXPECT_EQ(error_of(flat("base = \"x\"")), "t: what is cracked, expected either base = \"NAME\" or one [[ground]] table, got both");
+    EXPECT_EQ(error_of(flat("")), "t:1:1: the elevations of h = 0 and h = 1, expected zero below one (flat ground needs both), got 0 m and 0 m");
+    EXPECT_EQ(error_of("n = 3"), "t:1:1: what is cracked, expected either base = \"NAME\" or one [[ground]] table, got neither");
+    EXPECT_EQ(error_of(flat("base = \"x\"")), "t:1:1: what is cracked, expected either base = \"NAME\" or one [[ground]] table, got both");
     EXPECT_EQ(error_of("base = \"x\""), "t:1:8: there is no other terrain to crack, expected the name of a terrain, got \"x\"");
     EXPECT_EQ(
         error_of("[[ground]]\ntype = \"plane\"\nnormal = [1.0, 0.0, 0.0]\n"),
@@ -82,7 +82,7 @@ TEST(CrackedRow, errors_say_what_is_wrong)
               "t:1:14: the region reaches beyond the ground, expected [-10, -10] to [10, 10], got [-10, -10] to [11, 2]");
     EXPECT_EQ(error_of(flat("region_max = [-10.0, 2.0]")),
               "t:1:14: the region that is cracked is empty, expected region_min below region_max, got [-10, -10] to [-10, 2]");
-    EXPECT_EQ(error_of(flat("kappa = 1.0\nzero = 0.0\none = 1.0")), "t:1:9: kappa is out of range, expected a number from 0 to 0.99, got 1.0");
+    EXPECT_EQ(error_of(flat("kappa = 1.0\nzero = 0.0\none = 1.0")), "t:1:9: kappa is out of range, expected a number between 0 and 0.99, got 1");
 }
 
 TEST(CrackedRow, a_terrain_without_height_cannot_be_cracked)

@@ -11,6 +11,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace hoodoo
 {
 namespace
@@ -74,7 +76,8 @@ TEST(Instance, is_scaled_then_turned_then_moved)
 /// Many turned and scaled copies of the catalogue's rocks.
 Instances tumbled(const Vec3d& shift)
 {
-    BuiltRow built = build_row(row_instances().back());
+    BuiltRow built =
+        build_row(*std::find_if(row_instances().begin(), row_instances().end(), [](const RowInstance& row) { return row.name == "rock_pile"; }));
     Instances rocks = std::move(std::get<Instances>(*built.shape));
     for (std::size_t k = 0; k < rocks.instances.size(); ++k) {
         const auto u = [&](int n) { return unit_real(hash_cell(4, static_cast<std::int64_t>(k), n)); };
