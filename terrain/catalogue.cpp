@@ -20,6 +20,7 @@ std::span<const CatalogueEntry> catalogue()
         convolution_row(),
         warped_row(),
         canyon_row(),
+        breaking_wave_row(),
         rock_pile_row(),
         cracked_row(),
     };

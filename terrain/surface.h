@@ -49,6 +49,7 @@ struct Interaction {
     Vec3d shading_normal{0, 0, 1};    ///< unit, in the hemisphere of geometric_normal
     Vec2d uv{0.0};                    ///< surface coordinates where the representation has them, else 0
     Vec3d velocity{0.0};              ///< of the surface's point there, metres a unit of Ray::time: what motion vectors show
+    double slope_variance = 0.0;      ///< of relief that the ray's footprint hides: roughness beside the material's own
     Vec3d texture_point{0.0};         ///< where procedural and triplanar textures are looked up (rest space), metres
     MaterialWeights materials;
     std::uint32_t instance = 0;     ///< id of the instance it lies on, from 1; 0: on none

@@ -121,7 +121,7 @@ private:
         a.albedo = inside_unit_cube(a.albedo);
 
         const double rough = s_.roughness_map ? projected(*s_.roughness_map, at, footprint).x : s_.roughness;
-        const double roughness2 = rough * rough + pattern.lost_variance * s_.bump * s_.bump;
+        const double roughness2 = rough * rough + pattern.lost_variance * s_.bump * s_.bump + at.slope_variance;
         a.roughness = static_cast<float>(std::min(std::sqrt(roughness2), 1.0));
 
         Vec3d relief = pattern.relief;

@@ -1,30 +1,37 @@
 // A sea with breaking waves as one implicit function of space and time: swell, and waves that curl, throw, fall and collapse along their crests.
 #pragma once
 
+#include "terrain/fields/breaker.h"
 #include "terrain/fields/swell.h"
 #include "terrain/fields/warped_field.h"
-#include "terrain/fields/wave_profile.h"
 
-#include <array>
 #include <vector>
 
 namespace hoodoo
 {
 
-/// One wave and its life. Lengths in metres, times in seconds of the scene.
-struct Breaker {
-    WaveShape shape;
-    Vec2d centre{0.0};         ///< of the crest at time 0
-    Vec2d heading{-1.0, 0.0};  ///< unit, the way it runs
-    double speed = 4.0;        ///< of the crest
-    double intensity = 4.3;    ///< T at the height of its life
-    double start = 0.0;        ///< when the crest's middle begins to steepen
-    double steepening = 4.0;   ///< from there to full intensity
-    double peel = 6.0;         ///< how fast the break runs along the crest from its middle
-    double peel_width = 4.0;   ///< of the middle that breaks at once
-    double collapse = 1.5;     ///< how long the fallen wave takes to become white water
-    double decay = 6.0;        ///< of the white water
-    double bore = 0.9;         ///< height of the white water
+/// Where the water of a point was before the waves curled it over, with the derivatives of that.
+struct SeaRest {
+    Vec3d point{0.0};                                       ///< where textures are looked up; the water at rest lies at the sea's level
+    Vec3d gradient[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  ///< of its x, y and z
+};
+
+/// What one breaker makes of a point.
+struct BreakerPoint {
+    Vec3d local{0.0};  ///< x against the heading, y along the crest from its middle, z up, from the rotation's centre
+    BreakerLife life;
+    WaveOrigin flying;         ///< along the parabola; all zero for x >= 0
+    WaveOrigin origin;         ///< of the branch that holds water
+    double turned = 0.0;       ///< F_wave on the circular branch
+    double flown = kInfinity;  ///< and on the parabolic one
+};
+
+/// The same over a box and a span of times, proved.
+struct BreakerPointBound {
+    Interval x, y, z;
+    BreakerBound life;
+    Interval turned;
+    Interval flown{kInfinity, kInfinity}, flown_x0;  ///< of the part of the box with x < 0
 };
 
 /// F(x, y, z, t), metres, negative in water. Each breaker alone is (1 - c) F_wave + c F_bore, with F_wave the union of the two images of
@@ -40,12 +47,16 @@ public:
     Vec3d gradient(const Vec3d& p, double t, double* by_time = nullptr) const;
     /// Proved, for all t of `times`.
     LocalField local(const Box3d& box, const Interval& times) const;
-    /// Where the water of a point was before the nearest breaker curled it over: the place where textures are looked up, with how long it has been
-    /// falling (in units of T; 0 on the circle).
-    Vec3d rest(const Vec3d& p, double t, double* falling = nullptr) const;
+    /// A blend over the waves that is continuous in space and time: white water forgets where it came from.
+    SeaRest rest(const Vec3d& p, double t) const;
+    BreakerPoint point(const Breaker& b, const Vec3d& p, double t) const;
+    BreakerPointBound point_bound(const Breaker& b, const Box3d& box, const Interval& times) const;
 
     /// Heights between which the surface lies, at all times.
     Interval heights() const;
+    double level() const { return level_; }
+    const std::vector<Breaker>& breakers() const { return breakers_; }
+    const Swells& swell() const { return swell_; }
 
 private:
     /// What one breaker differs from the calm sea.
@@ -53,17 +64,12 @@ private:
         double value = 0.0;
         Vec3d gradient{0.0};
         double by_time = 0.0;
-        Vec3d rest{0.0};
-        double falling = 0.0;
-        double strength = 0.0;  ///< how much of a wave there is: 0 far away
     };
-    struct Life;
-    struct LifeBound;
 
+    double deviation_value(const Breaker& b, const Vec3d& p, double t, double calm) const;
     Deviation deviation(const Breaker& b, const Vec3d& p, double t) const;
     LocalField deviation_bound(const Breaker& b, const Box3d& box, const Interval& times) const;
-    static Life life(const Breaker& b, double y, double t);
-    static LifeBound life_bound(const Breaker& b, const Interval& y, const Interval& times);
+    LocalField sum_of_bounds(const Box3d& box, const Interval& times) const;
 
     std::vector<Breaker> breakers_;
     Swells swell_;

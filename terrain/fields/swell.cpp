@@ -36,6 +36,15 @@ Swells::Height Swells::at(const Vec2d& p, double t) const
     return {r.height * weight, r.slope * weight + change * r.height, r.by_time * weight};
 }
 
+double Swells::height(const Vec2d& p, double t) const
+{
+    double weight = 1.0, sum = 0.0;
+    for (int k = 0; k < 2; ++k) weight *= 1.0 - smoothstep((std::abs(p[k] - fade_.centre[k]) - fade_.inner) / (fade_.outer - fade_.inner));
+    if (weight == 0.0) return 0.0;
+    for (const Swell& s : trains_) sum += s.amplitude * std::cos(s.wave_number.dot(p) - s.frequency * t + s.phase);
+    return sum * weight;
+}
+
 Swells::Bound Swells::bound(const Interval& x, const Interval& y, const Interval& times) const
 {
     Bound r;

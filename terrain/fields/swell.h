@@ -44,6 +44,7 @@ public:
 
     bool empty() const { return trains_.empty(); }
     Height at(const Vec2d& p, double t) const;
+    double height(const Vec2d& p, double t) const;  ///< of at()
     /// For all points of a rectangle and all of these times.
     Bound bound(const Interval& x, const Interval& y, const Interval& times) const;
     /// No point is higher or lower, metres.

@@ -17,6 +17,7 @@ struct LocalField {
     /// Bounds of the second derivative along a unit direction with a horizontal part c and a vertical part s: curvature c^2 + mixed 2 c |s| + upright
     /// s^2. Where all directions are alike upright = curvature, mixed = 0.
     double curvature = kInfinity, mixed = 0.0, upright = kInfinity;
+    double sway = kInfinity;  ///< |value at the centre - centre| over the span is at most this; infinite: unknown
 
     double slope() const;                         ///< the largest length of a gradient
     double slope_along(const Vec3d& unit) const;  ///< the largest derivative along a direction, as a magnitude

@@ -164,6 +164,22 @@ WaveOrigin WaveProfile::parabolic(const Vec2d& p, double duration) const
     return origin;
 }
 
+Vec2d WaveProfile::circular_place(const Vec2d& p, double duration) const
+{
+    const double rho = p.length();
+    if (rho >= shape_.outer) return p;
+    const double theta = angle_of(p.x, p.y, p.x < 0.0), chi = theta - turn(rho) * duration;
+    return chi <= kLast ? Vec2d(0.0, rho) : Vec2d(rho * std::cos(chi), rho * std::sin(chi));
+}
+
+Vec2d WaveProfile::parabolic_place(const Vec2d& p, double duration) const
+{
+    const double r = parabola_radius(-p.x, p.y), psi = turn(r) * duration - flight(-p.x, p.y);
+    if (psi >= 2.0 * kPi) return {0.0, r};
+    if (!(psi > 0.0)) return {0.0, r + p.length() * smoothstep(-psi)};
+    return {r * std::sin(psi), r * std::cos(psi)};
+}
+
 WaveBound WaveProfile::circular_bound(const Interval& x, const Interval& z, const Interval& duration) const
 {
     const bool left = x.hi <= 0.0 && x.lo < 0.0;

@@ -50,6 +50,9 @@ public:
     WaveOrigin circular(const Vec2d& p, double duration) const;
     /// Equation 10 backwards, for x < 0: along its parabola to x = 0, from there along the circle.
     WaveOrigin parabolic(const Vec2d& p, double duration) const;
+    /// The places alone.
+    Vec2d circular_place(const Vec2d& p, double duration) const;
+    Vec2d parabolic_place(const Vec2d& p, double duration) const;
 
     /// For boxes on one side of x = 0 (touching it allowed), T in `duration`. The parabolic one for x <= 0.
     WaveBound circular_bound(const Interval& x, const Interval& z, const Interval& duration) const;

@@ -178,8 +178,8 @@ private:
                                 above(known.mixed), above(known.upright)});
     }
 
-    /// What is left of a box where the mean value theorem allows a zero: F(c) + sum_k G_k dx_k = 0, with each G_k in its range. Times are one only
-    /// where the value at the centre is the same for all: a moving surface keeps its box.
+    /// What is left of a box where the mean value theorem allows a zero: F(c) + sum_k G_k dx_k = 0, with each G_k in its range. Over the times
+    /// the value at the centre strays by what is known of it; where nothing is, a moving surface keeps its box.
     Box3d clip_by_gradient(const Box3d& box, const LocalField& known) const
     {
         const Vec3d half = box.size() * 0.5, centre = box.center();
@@ -188,7 +188,7 @@ private:
             all += std::max(std::abs(known.gradient[static_cast<std::size_t>(k)].lo), std::abs(known.gradient[static_cast<std::size_t>(k)].hi)) *
                    half[k];
         // What the range of values says beyond the gradients is what the surface moves by.
-        const double moving = settings_.moving ? kInfinity : settings_.flat;
+        const double moving = settings_.moving ? known.sway + settings_.flat : settings_.flat;
         Box3d out = box;
         for (int k = 0; k < 3; ++k) {
             const Interval& g = known.gradient[static_cast<std::size_t>(k)];

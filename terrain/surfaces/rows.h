@@ -11,6 +11,7 @@ CatalogueEntry mesh_row();
 CatalogueEntry convolution_row();
 CatalogueEntry warped_row();
 CatalogueEntry canyon_row();
+CatalogueEntry breaking_wave_row();
 CatalogueEntry rock_pile_row();
 CatalogueEntry cracked_row();
 
