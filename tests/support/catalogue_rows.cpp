@@ -137,6 +137,15 @@ const std::vector<RowInstance>& row_instances()
                  vector_text(s), vector_text(Vec3d(2, 1, 2) + s));
          },
          0.9},
+        {"breaking_wave", "breaking_wave",
+         [](const Vec3d& s) {
+             return fmt::format(
+                 "origin = {}\ncentre = {}\nextent = 7.0\npatch = 0.4\ngrowth = 0.0\ntime = 4.0\n"
+                 "[[wave]]\ncentre = [20, 0]\nsteepening = 5.0\npeel = 3.0\npeel_width = 2.0\nintensity = 4.8\n"
+                 "[[swell]]\nwavelength = 6.0\nheight = 0.2\nheading_deg = 200\nphase_deg = 40\n",
+                 vector_text(s), vector_text(s));
+         },
+         0.9},
         {"rock_pile", "rock_pile",
          [](const Vec3d& s) {
              return fmt::format("base = {}\nsize = [3.4, 3.0, 1.6]\nrocks_per_tile = 12\nrock_detail = 3\nform = \"bed\"\n", vector_text(s));
