@@ -169,9 +169,30 @@ CLI::App* add_export(CLI::App& app, Arguments& a, const char* name, const char* 
     return command;
 }
 
+void add_bake(CLI::App& app, Arguments& a)
+{
+    CLI::App* command = app.add_subcommand("bake",
+                                           "Write the layers of a terrain, edits done, as a deep EXR that a scene reads back; or the pictures "
+                                           "behind cracked ground");
+    add_scene_options(*command, a);
+    ExportArguments& e = a.exported;
+    command->add_option("--terrain", e.terrain, "Which terrain of the scene, where it has several");
+    auto* group = command->add_option_group("output", "What to write");
+    auto* stack = group->add_option("-o,--output", e.output, "Layers to write")->check(file_name("a stack", ".exr"));
+    for (auto* picture :
+         {group->add_option("--crack-map", e.crack_map, "Cracked ground: 1 in a crack, else 0")->check(file_name("a map", ".exr")),
+          group->add_option("--height", e.height, "Cracked ground: heights in metres")->check(file_name("a height image", ".exr")),
+          group->add_option("--diagram", e.diagram, "Cracked ground: sites, triangulation, cracks")->check(file_name("a drawing", ".svg", ".png"))})
+        picture->excludes(stack);
+    group->require_option(1, 0);
+    command->add_option("--cell", e.cell, "Metres between pixels of map and heights; without it a 1024th of the longer side")
+        ->transform(in_metres)
+        ->check(CLI::PositiveNumber);
+}
+
 void add_commands(CLI::App& app, Arguments& a)
 {
-    add_export(app, a, "bake", "Write the layers of a terrain, edits done, as a deep EXR that a scene reads back", file_name("a stack", ".exr"));
+    add_bake(app, a);
     add_export(app, a, "mesh", "Write a terrain as triangles, with its measured error", file_name("a mesh", ".ply", ".obj"))
         ->add_option("--spacing", a.exported.spacing, "Metres between samples; without it a column of the stack")
         ->transform(in_metres)
@@ -251,7 +272,7 @@ int run(int argc, char** argv)
         return run_import_dem(arguments.import);
     }
     arguments.exported.scene = arguments.render.scene;
-    if (name == "bake") return run_bake(arguments.exported);
+    if (name == "bake") return arguments.exported.output.empty() ? run_bake_cracks(arguments.exported) : run_bake(arguments.exported);
     if (name == "mesh") return run_mesh(arguments.exported);
     if (name == "schema") return run_schema(arguments.section);
     return run_version();

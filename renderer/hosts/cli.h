@@ -54,7 +54,9 @@ struct ImportArguments {
 struct ExportArguments {
     SceneArguments scene;
     std::string terrain, output;
-    double spacing = 0.0;  ///< of a mesh, metres; 0: by default
+    double spacing = 0.0;                    ///< of a mesh, metres; 0: by default
+    std::string crack_map, height, diagram;  ///< of cracked ground; empty: not wanted
+    double cell = 0.0;                       ///< of these pictures, metres; 0: a 1024th of the longer side
 };
 
 /// Each returns the exit code and throws what it cannot do.
@@ -66,6 +68,7 @@ int run_version();
 int run_import_dem(const ImportArguments& arguments);
 int run_movie(const MovieArguments& arguments);
 int run_bake(const ExportArguments& arguments);
+int run_bake_cracks(const ExportArguments& arguments);
 int run_mesh(const ExportArguments& arguments);
 
 /// A bar with the time left on a terminal; elsewhere a plain line for each tenth. On stderr: stdout is for data.
@@ -98,6 +101,9 @@ void print(const std::string& text);
 LoadedScene load(const SceneArguments& arguments, Progress& progress);
 /// Throws Error (file) if nothing can be written there: an hour of work must not end at a folder that does not exist.
 void check_output(const std::string& path);
+
+/// The surface of a terrain that is shown; without a name of the only one. Throws Error (scene): none, or triangles.
+const Surface& surface_of(const LoadedScene& loaded, const std::string& terrain);
 
 /// "1:05:20", "0:07".
 std::string clock_text(double seconds);

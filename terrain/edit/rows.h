@@ -12,5 +12,6 @@ EditTool deposit_tool();
 EditTool erode_tool();
 EditTool fill_tool();
 EditTool stabilise_tool();
+EditTool crack_tool();
 
 }  // namespace hoodoo

@@ -23,6 +23,7 @@ std::span<const EditTool> edit_tools()
         erode_tool(),
         fill_tool(),
         stabilise_tool(),
+        crack_tool(),
     };
     // clang-format on
     return rows;

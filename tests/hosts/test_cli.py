@@ -373,3 +373,40 @@ def test_mesh_writes_a_terrain_that_another_scene_reads(tmp_path):
     again = hoodoo("mesh", tmp_path / "b.toml", "-o", tmp_path / "b.ply")
     assert again.returncode == 2 and "a terrain without a field has no mesh" in again.stderr
     assert not list(tmp_path.glob(".*"))
+
+
+# -- Cracked ground -----------------------------------------------------------------------------------------------------------
+
+CRACKED = SCENE.replace("""[terrain.floor]
+type = "plane"
+material = "sand"
+""", """[terrain.mud]
+type = "cracked"
+zero = -1.0
+one = 3.0
+[[terrain.mud.ground]]
+type = "plane"
+extent = 8.0
+""")
+
+
+def test_the_pictures_behind_cracked_ground(tmp_path):
+    path = tmp_path / "mud.toml"
+    path.write_text(CRACKED)
+    done = hoodoo("bake", path, "--crack-map", tmp_path / "m.exr", "--height", tmp_path / "h.exr", "--diagram", tmp_path / "d.svg", "--cell", "0.1 m")
+    assert done.returncode == 0, done.stderr
+    assert "160 x 160 pixels of 0.1 m" in done.stderr and "h = 0 at -1 m, h = 1 at 3 m" in done.stderr
+    share = float(re.search(r"([\d.]+) % in cracks", done.stderr).group(1))
+    assert 17.5 < share < 19.5
+    assert (tmp_path / "d.svg").read_text().startswith("<svg")
+    assert hoodoo("bake", path, "--diagram", tmp_path / "d.png", "-q").returncode == 0
+    assert (tmp_path / "d.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_terrain_without_cracks_has_no_crack_map(scene, tmp_path):
+    done = hoodoo("bake", scene, "--crack-map", tmp_path / "m.exr")
+    assert done.returncode == 2
+    assert 'a terrain without cracks has no crack map, expected type = "cracked", got "plane"' in done.stderr
+    assert not (tmp_path / "m.exr").exists()
+    assert hoodoo("bake", scene).returncode == 2
+    assert hoodoo("bake", scene, "-o", tmp_path / "a.exr", "--crack-map", tmp_path / "m.exr").returncode == 2
