@@ -3,7 +3,7 @@
 
 The layers (design): hosts -> render -> {transport, film, compare, scene}; transport -> {scene, light, shading, geometry};
 scene -> {geometry, light, shading, terrain}; {geometry, shading, light} -> terrain; film -> terrain/math.
-Inside terrain: catalogue -> surfaces -> {march, edit, rocks, stack} -> fields -> field.h -> math.
+Inside terrain: catalogue -> surfaces -> {march, edit, rocks, stack} -> fields -> field.h -> math; analysis stands beside stack.
 """
 import pathlib
 import re
@@ -17,6 +17,7 @@ MAY_INCLUDE = {
     "terrain/math": set(),
     "terrain/base": TERRAIN_BASE,
     "terrain/fields": TERRAIN_BASE,
+    "terrain/analysis": TERRAIN_BASE | {"terrain/fields"},
     "terrain/stack": TERRAIN_BASE | {"terrain/fields"},
     "terrain/edit": TERRAIN_BASE | {"terrain/fields", "terrain/stack"},
     "terrain/rocks": TERRAIN_BASE | {"terrain/stack"},
