@@ -4,6 +4,7 @@
 #include "terrain/io/npz.h"
 
 #include "terrain/error.h"
+#include "terrain/io/numpy_header.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -19,7 +20,7 @@ namespace hoodoo
 namespace
 {
 
-constexpr std::uint64_t kMaxFile = 1ull << 30, kMaxNumbers = 1ull << 27;
+constexpr std::uint64_t kMaxFile = 1ull << 30;
 
 [[noreturn]] void refuse(const std::string& path, std::string what, std::string got = {})
 {
@@ -56,80 +57,13 @@ std::vector<unsigned char> unpack(const std::string& path, const unsigned char* 
     return out;
 }
 
-/// What follows `'key':` in the header's Python dictionary.
-std::string entry_of(const std::string& header, const std::string& key)
-{
-    const std::size_t at = header.find('\'' + key + '\'');
-    const std::size_t colon = at == std::string::npos ? at : header.find(':', at);
-    if (colon == std::string::npos) return {};
-    const std::size_t begin = header.find_first_not_of(' ', colon + 1);
-    if (begin == std::string::npos) return {};
-    const std::size_t end = header[begin] == '(' ? header.find(')', begin) : header.find(',', begin);
-    return header.substr(begin, end == std::string::npos ? end : end - begin + (header[begin] == '(' ? 1 : 0));
-}
-
-template <class T>
-double number_at(const unsigned char* p, bool swap)
-{
-    unsigned char bytes[sizeof(T)];
-    std::memcpy(bytes, p, sizeof(T));
-    if (swap) std::reverse(bytes, bytes + sizeof(T));
-    T value;
-    std::memcpy(&value, bytes, sizeof(T));
-    return static_cast<double>(value);
-}
-
-using Reader = double (*)(const unsigned char*, bool);
-
-Reader reader_of(const std::string& type, std::size_t& width)
-{
-    const auto is = [&](const char* name, std::size_t bytes) { return type == name ? (width = bytes, true) : false; };
-    if (is("i1", 1)) return number_at<std::int8_t>;
-    if (is("u1", 1)) return number_at<std::uint8_t>;
-    if (is("i2", 2)) return number_at<std::int16_t>;
-    if (is("u2", 2)) return number_at<std::uint16_t>;
-    if (is("i4", 4)) return number_at<std::int32_t>;
-    if (is("u4", 4)) return number_at<std::uint32_t>;
-    if (is("i8", 8)) return number_at<std::int64_t>;
-    if (is("u8", 8)) return number_at<std::uint64_t>;
-    if (is("f4", 4)) return number_at<float>;
-    if (is("f8", 8)) return number_at<double>;
-    return nullptr;
-}
-
 NumpyArray parse_npy(const std::string& path, const std::string& name, const std::vector<unsigned char>& bytes)
 {
-    if (bytes.size() < 12 || std::memcmp(bytes.data(), "\x93NUMPY", 6) != 0) refuse(path, "\"" + name + "\" is no NumPy array");
-    const std::size_t prefix = bytes[6] == 1 ? 10 : 12, length = little(bytes.data() + 8, bytes[6] == 1 ? 2 : 4);
-    if (length > bytes.size() - prefix) refuse(path, "\"" + name + "\" is cut short");
-    const std::string header(reinterpret_cast<const char*>(bytes.data()) + prefix, length);
-    const std::string type = entry_of(header, "descr"), order = entry_of(header, "fortran_order"), shape = entry_of(header, "shape");
-    std::size_t width = 0;
-    const Reader read = type.size() == 5 ? reader_of(type.substr(2, 2), width) : nullptr;
-    if (!read || shape.empty()) refuse(path, "\"" + name + "\" has a type that is no plain number", type);
-
-    NumpyArray array;
-    std::uint64_t count = 1;
-    for (std::size_t i = 0; i < shape.size();) {
-        if (shape[i] < '0' || shape[i] > '9') {
-            ++i;
-            continue;
-        }
-        std::uint64_t n = 0;
-        for (; i < shape.size() && shape[i] >= '0' && shape[i] <= '9'; ++i)
-            n = std::min<std::uint64_t>(n * 10 + static_cast<unsigned>(shape[i] - '0'), kMaxNumbers + 1);
-        array.shape.push_back(n);
-        count *= n;
-        if (count > kMaxNumbers || n > kMaxNumbers || array.shape.size() > 8) refuse(path, "\"" + name + "\" is too large", shape);
-    }
-    if (order == "True" && array.shape.size() > 1) refuse(path, "\"" + name + "\" is stored column by column (Fortran order); save it in C order");
-    if (bytes.size() - prefix - length < count * width) refuse(path, "\"" + name + "\" is cut short");
-    array.values.resize(count);
-    const unsigned char* at = bytes.data() + prefix + length;
-    for (double& value : array.values) {
-        value = read(at, type[1] == '>');
-        at += width;
-    }
+    const NumpyHeader header = read_numpy_header(path, name, bytes.data(), bytes.size());
+    if (bytes.size() - header.data < header.count * header.width) refuse(path, "\"" + name + "\" is cut short");
+    NumpyArray array{header.shape, {}};
+    array.values.resize(header.count);
+    header.convert(bytes.data() + header.data, array.values);
     return array;
 }
 

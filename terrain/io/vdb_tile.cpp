@@ -1,5 +1,5 @@
 // OpenVDB's polygoniser (dual, after Ju2002: a point in each cell that the surface crosses, a quadrilateral around each edge that it crosses).
-// Uniform: adaptivity would make seams between tiles. The only includer of OpenVDB in the library.
+// Uniform: adaptivity would make seams between tiles. With vdb_voxels.cpp the only includer of OpenVDB in the library.
 #include "terrain/io/vdb_tile.h"
 
 #include "terrain/error.h"
