@@ -21,6 +21,7 @@ std::span<const CatalogueEntry> catalogue()
         warped_row(),
         canyon_row(),
         breaking_wave_row(),
+        voxels_row(),
         rock_pile_row(),
         cracked_row(),
     };

@@ -60,10 +60,7 @@ public:
     const Index3& nodes() const { return nodes_; }
     T outside() const { return outside_; }
 
-    bool holds(const Index3& p) const
-    {
-        return p[0] >= 0 && p[1] >= 0 && p[2] >= 0 && p[0] < size_[0] && p[1] < size_[1] && p[2] < size_[2];
-    }
+    bool holds(const Index3& p) const { return p[0] >= 0 && p[1] >= 0 && p[2] >= 0 && p[0] < size_[0] && p[1] < size_[1] && p[2] < size_[2]; }
     T at(const Index3& p) const
     {
         if (!holds(p)) return outside_;

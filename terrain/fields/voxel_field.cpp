@@ -234,8 +234,7 @@ VoxelField::Summary VoxelField::over(const Box3d& box) const
                 for (int i = std::max(kNodeEdge * x, first[0] / kEdge); i <= std::min(kNodeEdge * x + kNodeEdge - 1, last[0] / kEdge); ++i)
                     for (int j = std::max(kNodeEdge * y, first[1] / kEdge); j <= std::min(kNodeEdge * y + kNodeEdge - 1, last[1] / kEdge); ++j)
                         for (int k = std::max(kNodeEdge * z, first[2] / kEdge); k <= std::min(kNodeEdge * z + kNodeEdge - 1, last[2] / kEdge); ++k) {
-                            const Summary& s =
-                                node.blocks[static_cast<std::size_t>(((i & 15) * kNodeEdge + (j & 15)) * kNodeEdge + (k & 15))];
+                            const Summary& s = node.blocks[static_cast<std::size_t>(((i & 15) * kNodeEdge + (j & 15)) * kNodeEdge + (k & 15))];
                             if (covers({i, j, k}, kEdge) || s.value.lo == s.value.hi) {
                                 all.add(s);
                             } else {

@@ -1,9 +1,10 @@
 // A sampled solid, and what of it the surface needs.
 //
-// Voxels as in Jones2010: a material function on a grid, here as the values of an implicit function, so that densities (1/2 - mu) and signed distances
-// are kept alike. A cell is crossed by the surface if its corners differ in sign: F is trilinear in it, a mean of the corners. Trimming follows from
-// that: a sample of no crossed cell only decides the side of its cells, so its value may be anything of its sign. It becomes the band's edge, equal
-// values are stored once, and what is stored are the blocks that the surface visits (and their rims). Missing: several resolutions in one grid.
+// Voxels as in Jones2010: a material function on a grid, here as the values of an implicit function, so that densities (1/2 - mu) and signed
+// distances are kept alike. A cell is crossed by the surface if its corners differ in sign: F is trilinear in it, a mean of the corners. Trimming
+// follows from that: a sample of no crossed cell only decides the side of its cells, so its value may be anything of its sign. It becomes the band's
+// edge, equal values are stored once, and what is stored are the blocks that the surface visits (and their rims). Missing: several resolutions in one
+// grid.
 #include "terrain/fields/voxel_grid.h"
 
 #include "terrain/error.h"

@@ -18,8 +18,8 @@ struct VoxelGrid {
     /// Throws Error (scene): a cell that is not above 0, a lattice with no sample or with more than 2^16 along an axis.
     VoxelGrid(const Index3& inner, double cell, const Vec3d& first, float air);
 
-    double cell;       ///< metres between neighbouring samples
-    Vec3d origin;      ///< of sample (0, 0, 0), which is air
+    double cell;   ///< metres between neighbouring samples
+    Vec3d origin;  ///< of sample (0, 0, 0), which is air
     SparseLattice<float> values;
     std::optional<SparseLattice<std::uint8_t>> materials;  ///< of each sample, an index into `names`; absent: all is names[0]
     std::vector<std::string> names;
@@ -36,8 +36,8 @@ struct VoxelGrid {
     void set(const Index3& p, float value) { values.set(p, value); }
 
     /// Keeps what the surface is made of: samples of cells that the surface crosses keep their values, all others at least their side of it, and what
-    /// is farther than a block keeps nothing else. Values become at most `band()` in magnitude. The surface itself keeps its bits. Memory then follows
-    /// the area of the surface.
+    /// is farther than a block keeps nothing else. Values become at most `band()` in magnitude. The surface itself keeps its bits. Memory then
+    /// follows the area of the surface.
     void trim();
 
     /// The largest |F| among samples of cells that the surface crosses; 0 without a surface.

@@ -8,9 +8,9 @@
 namespace hoodoo
 {
 
-/// Calls visit(cell, t0, t1) for the cells that o + t d passes for t in [a, b], in order, as long as it returns true and the cells lie between `first`
-/// and `last`. Coordinates are in cells. Every t at which a plane is crossed is computed from that plane alone (no sum that drifts): pieces join
-/// without a gap. A line in a plane between cells passes those on the plane's upper side.
+/// Calls visit(cell, t0, t1) for the cells that o + t d passes for t in [a, b], in order, as long as it returns true and the cells lie between
+/// `first` and `last`. Coordinates are in cells. Every t at which a plane is crossed is computed from that plane alone (no sum that drifts): pieces
+/// join without a gap. A line in a plane between cells passes those on the plane's upper side.
 template <class Visit>
 void walk_cells(const Vec3d& o, const Vec3d& d, double a, double b, const Index3& first, const Index3& last, const Visit& visit)
 {

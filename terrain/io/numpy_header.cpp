@@ -95,13 +95,13 @@ NumpyHeader read_numpy_header(const std::string& path, const std::string& name, 
             continue;
         }
         std::uint64_t n = 0;
-        for (; i < shape.size() && shape[i] >= '0' && shape[i] <= '9'; ++i) n = std::min<std::uint64_t>(n * 10 + static_cast<unsigned>(shape[i] - '0'), most + 1);
+        for (; i < shape.size() && shape[i] >= '0' && shape[i] <= '9'; ++i)
+            n = std::min<std::uint64_t>(n * 10 + static_cast<unsigned>(shape[i] - '0'), most + 1);
         head.shape.push_back(n);
         head.count *= n;
         if (head.count > most || n > most || head.shape.size() > 8) refuse(path, "\"" + name + "\" is too large", shape);
     }
-    if (order == "True" && head.shape.size() > 1)
-        refuse(path, "\"" + name + "\" is stored column by column (Fortran order); save it in C order");
+    if (order == "True" && head.shape.size() > 1) refuse(path, "\"" + name + "\" is stored column by column (Fortran order); save it in C order");
     return head;
 }
 

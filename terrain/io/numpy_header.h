@@ -25,8 +25,8 @@ struct NumpyHeader {
 /// No header is longer than this, as we read them.
 constexpr std::size_t kMostNumpyHeader = 4096;
 
-/// Reads the head from the first bytes of an array (all of it, or at least kMostNumpyHeader). `name` is what errors call the array. Throws Error (file):
-/// no array, a type that is no plain number, Fortran order, over 2^27 numbers unless `most` says otherwise.
+/// Reads the head from the first bytes of an array (all of it, or at least kMostNumpyHeader). `name` is what errors call the array. Throws Error
+/// (file): no array, a type that is no plain number, Fortran order, over 2^27 numbers unless `most` says otherwise.
 NumpyHeader read_numpy_header(const std::string& path, const std::string& name, const unsigned char* bytes, std::size_t size,
                               std::uint64_t most = 1ull << 27);
 

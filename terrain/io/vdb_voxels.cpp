@@ -29,18 +29,20 @@ openvdb::GridBase::Ptr open_grid(const std::string& path, const std::string& wan
     file.open();
     std::vector<std::string> names;
     for (auto name = file.beginName(); name != file.endName(); ++name) names.push_back(name.gridName());
-    if (wanted.empty() && names.size() != 1) refuse(path, "the file has several grids: say which one by `array`", fmt::format("one of: {}", fmt::join(names, ", ")));
+    if (wanted.empty() && names.size() != 1)
+        refuse(path, "the file has several grids: say which one by `array`", fmt::format("one of: {}", fmt::join(names, ", ")));
     const std::string name = wanted.empty() ? names.front() : wanted;
     if (std::find(names.begin(), names.end(), name) == names.end())
-        refuse(path, "the file has no grid of this name", fmt::format("one of: {}", fmt::join(names, ", ")), '"' + name + '"', nearest_name(name, names));
+        refuse(path, "the file has no grid of this name", fmt::format("one of: {}", fmt::join(names, ", ")), '"' + name + '"',
+               nearest_name(name, names));
     return file.readGrid(name);
 }
 
 template <class Grid>
 VoxelGrid convert(const Grid& grid, const std::string& path, const VoxelFileOptions& options, const Source& where)
 {
-    const bool distance = options.meaning == VoxelMeaning::distance ||
-                          (options.meaning == VoxelMeaning::automatic && grid.getGridClass() == openvdb::GRID_LEVEL_SET);
+    const bool distance =
+        options.meaning == VoxelMeaning::distance || (options.meaning == VoxelMeaning::automatic && grid.getGridClass() == openvdb::GRID_LEVEL_SET);
     const double iso = options.iso.value_or(distance ? 0.0 : 0.5);
     const openvdb::Vec3d voxel = grid.voxelSize();
     const openvdb::Vec3d zero = grid.indexToWorld(openvdb::Vec3d(0.0)), x = grid.indexToWorld(openvdb::Vec3d(1, 0, 0)) - zero,
@@ -66,8 +68,11 @@ VoxelGrid convert(const Grid& grid, const std::string& path, const VoxelFileOpti
     const auto value_of = [&](double v) { return static_cast<float>(distance ? (v - iso) * (cell / s) : iso - v); };
     const float air = value_of(static_cast<double>(grid.background()));
     if (!(air > 0.0f))
-        throw Error(ErrorKind::scene, Problem{where, "the background of the grid would be matter", distance ? "an iso below it" : "an iso above it",
-                                              fmt::format("{:.6g} with iso {:.6g}", static_cast<double>(grid.background()), iso), {}});
+        throw Error(ErrorKind::scene, Problem{where,
+                                              "the background of the grid would be matter",
+                                              distance ? "an iso below it" : "an iso above it",
+                                              fmt::format("{:.6g} with iso {:.6g}", static_cast<double>(grid.background()), iso),
+                                              {}});
     VoxelGrid voxels(inner, cell, theirs + Vec3d(base[0] + 1, base[1] + 1, base[2] + 1) * cell, air);
     voxels.names = options.materials;
     std::uint64_t bad = 0;

@@ -46,9 +46,10 @@ void read_materials(VoxelGrid& grid, const Index3& size, const NumpyArray& array
             for (int k = 1; k <= size[2]; ++k) {
                 const double m = array.values[n++];
                 if (!(m >= 0.0 && m < static_cast<double>(options.materials.size())) || m != std::floor(m))
-                    refuse(path, fmt::format("the material of voxel ({}, {}, {})", i - 1, j - 1, k - 1),
-                           fmt::format("a whole number from 0 to {}, for one of: {}", options.materials.size() - 1, fmt::join(options.materials, ", ")),
-                           fmt::format("{:.6g}", m));
+                    refuse(
+                        path, fmt::format("the material of voxel ({}, {}, {})", i - 1, j - 1, k - 1),
+                        fmt::format("a whole number from 0 to {}, for one of: {}", options.materials.size() - 1, fmt::join(options.materials, ", ")),
+                        fmt::format("{:.6g}", m));
                 grid.materials->set({i, j, k}, static_cast<std::uint8_t>(m));
             }
     grid.materials->prune();
@@ -63,8 +64,10 @@ VoxelGrid read_npz(const std::string& path, const VoxelFileOptions& options, con
         for (const std::string& n : file.names())
             if (n != options.material_array) others.push_back(n);
         if (others.size() != 1)
-            throw Error(ErrorKind::scene, Problem{where, "the archive has several arrays: say which one by `array`",
-                                                  fmt::format("one of: {}", fmt::join(others, ", ")), {}, {}});
+            throw Error(
+                ErrorKind::scene,
+                Problem{
+                    where, "the archive has several arrays: say which one by `array`", fmt::format("one of: {}", fmt::join(others, ", ")), {}, {}});
         name = others.front();
     }
     const NumpyArray array = file.read(name);
@@ -107,8 +110,9 @@ VoxelGrid voxels_from_slices(const Index3& size, const VoxelFileOptions& options
     const bool distance = options.meaning == VoxelMeaning::distance;
     const double iso = options.iso.value_or(distance ? 0.0 : 0.5), cell = options.cell.value_or(1.0);
     if (!distance && !(iso > 0.0))
-        throw Error(ErrorKind::scene, Problem{where, "the level of a density: around the voxels there is air of density 0", "an iso above 0",
-                                              fmt::format("{:.6g}", iso), {}});
+        throw Error(
+            ErrorKind::scene,
+            Problem{where, "the level of a density: around the voxels there is air of density 0", "an iso above 0", fmt::format("{:.6g}", iso), {}});
     VoxelGrid grid(size, cell, options.origin.value_or(Vec3d(0.0)), static_cast<float>(distance ? cell : iso));
     grid.names = options.materials;
     std::vector<double> slice(static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]));
@@ -140,7 +144,8 @@ VoxelGrid read_voxel_file(const std::string& path, const VoxelFileOptions& optio
 {
     const std::string extension = std::filesystem::path(path).extension().string();
     if (!options.material_array.empty() && extension != ".npz")
-        throw Error(ErrorKind::scene, Problem{where, "an array of materials stands in an .npz beside the voxels", "a file .npz", "\"" + extension + "\"", {}});
+        throw Error(ErrorKind::scene,
+                    Problem{where, "an array of materials stands in an .npz beside the voxels", "a file .npz", "\"" + extension + "\"", {}});
     if (extension == ".npz") return read_npz(path, options, where);
     if (extension == ".npy") return read_npy(path, options, where);
     if (extension == ".vdb") return read_vdb_voxels(path, options, where);

@@ -22,10 +22,10 @@ enum class VoxelMeaning {
 struct VoxelFileOptions {
     std::string array;  ///< of an .npz or .vdb; empty: the only one
     VoxelMeaning meaning = VoxelMeaning::automatic;
-    std::optional<double> iso;     ///< 1/2 for densities, 0 for distances
-    std::optional<double> cell;    ///< metres between samples; a VDB grid has its own, of which this is a change
-    std::optional<Vec3d> origin;   ///< where sample (0, 0, 0) of the file stands; a VDB grid has its own
-    std::string material_array;    ///< of an .npz: indices into `materials`; empty: none
+    std::optional<double> iso;    ///< 1/2 for densities, 0 for distances
+    std::optional<double> cell;   ///< metres between samples; a VDB grid has its own, of which this is a change
+    std::optional<Vec3d> origin;  ///< where sample (0, 0, 0) of the file stands; a VDB grid has its own
+    std::string material_array;   ///< of an .npz: indices into `materials`; empty: none
     std::vector<std::string> materials{"bedrock"};
 };
 

@@ -1,11 +1,11 @@
 // Rays through voxels: along a ray F is a cubic in each cell, and the first change of its sign is found without a tolerance (march/bernstein.h).
 //
 // Empty space is skipped three times: patches are blocks of cells that the surface crosses (Embree's tree over their boxes skips the rest), a patch's
-// box is that of its crossed cells, and in it a bit a cell says whether there is anything to solve. Watertight: neighbouring cells share the corners of
-// their common face, so F is continuous; the side of a ray is carried from cell to cell, so a crossing on a face is found whatever rounding does; a
-// patch goes on a hair beyond its box, into its neighbours' cells, so a crossing on a patch's face lies well inside the reach of one that has it. The
-// side where a ray enters a patch is the sign of the first coefficient. A cubic's coefficients are means of the corners: where all corners are of one
-// sign the cubic is too. Deviation: none. Missing: several cells at once (SIMD).
+// box is that of its crossed cells, and in it a bit a cell says whether there is anything to solve. Watertight: neighbouring cells share the corners
+// of their common face, so F is continuous; the side of a ray is carried from cell to cell, so a crossing on a face is found whatever rounding does;
+// a patch goes on a hair beyond its box, into its neighbours' cells, so a crossing on a patch's face lies well inside the reach of one that has it.
+// The side where a ray enters a patch is the sign of the first coefficient. A cubic's coefficients are means of the corners: where all corners are of
+// one sign the cubic is too. Deviation: none. Missing: several cells at once (SIMD).
 #include "terrain/march/voxel_patches.h"
 
 #include "terrain/fields/voxel_walk.h"
@@ -98,8 +98,9 @@ Box3d VoxelPatches::patch_bounds(std::uint32_t index) const
     Box3d box;
     for (int k = 0; k < 3; ++k) {
         const auto at = static_cast<std::size_t>(k);
-        box.min[k] = 8.0 * p.block[at] + p.lo[at] - kHair;
-        box.max[k] = 8.0 * p.block[at] + p.hi[at] + 1.0 + kHair;
+        // Not beyond the lattice, where there are no cells; its outermost samples are air, so no crossing is lost.
+        box.min[k] = std::max(8.0 * p.block[at] + p.lo[at] - kHair, 0.0);
+        box.max[k] = std::min(8.0 * p.block[at] + p.hi[at] + 1.0 + kHair, grid_->values.size()[at] - 1.0);
     }
     return {grid_->world(box.min) - Vec3d(rounding_), grid_->world(box.max) + Vec3d(rounding_)};
 }

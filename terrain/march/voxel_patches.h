@@ -28,7 +28,7 @@ public:
 private:
     struct Patch {
         Index3 block;
-        std::array<std::uint8_t, 3> lo, hi;  ///< crossed cells lie in [lo, hi] of the block
+        std::array<std::uint8_t, 3> lo, hi;    ///< crossed cells lie in [lo, hi] of the block
         std::array<std::uint64_t, 8> crossed;  ///< a bit a cell, k lowest
     };
     bool is_crossed_cell(const Patch& patch, const Index3& c) const;

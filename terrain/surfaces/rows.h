@@ -12,6 +12,7 @@ CatalogueEntry convolution_row();
 CatalogueEntry warped_row();
 CatalogueEntry canyon_row();
 CatalogueEntry breaking_wave_row();
+CatalogueEntry voxels_row();
 CatalogueEntry rock_pile_row();
 CatalogueEntry cracked_row();
 

@@ -57,6 +57,30 @@ const std::string& mesh_path()
     return path;
 }
 
+/// 13 x 12 x 11 densities of a knotted body with a hole, one number in nine exactly at the surface's level; written as .npy once a process.
+const std::string& voxel_path()
+{
+    static const std::string path = [] {
+        const std::filesystem::path file = std::filesystem::temp_directory_path() / fmt::format("hoodoo_law_voxels_{}.npy", ::getpid());
+        std::ofstream out(file, std::ios::binary);
+        std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (13, 12, 11), }";
+        header.resize(117, ' ');
+        header += '\n';
+        out << std::string("\x93NUMPY\x01\x00", 8) << static_cast<char>(header.size()) << '\0' << header;
+        for (int i = 0; i < 13; ++i)
+            for (int j = 0; j < 12; ++j)
+                for (int k = 0; k < 11; ++k) {
+                    const double x = i - 6.0, y = j - 5.5, z = k - 5.0, ring = std::hypot(std::hypot(x, y) - 3.5, z) - 1.8;
+                    const double wave = 0.5 * std::sin(1.3 * x) * std::cos(1.1 * y + 0.7 * z);
+                    auto value = static_cast<float>(std::clamp(0.5 - 0.4 * (ring + wave), 0.0, 1.0));
+                    if ((i * 7 + j * 5 + k * 3) % 9 == 0 && std::abs(value - 0.5f) < 0.3f) value = 0.5f;
+                    out.write(reinterpret_cast<const char*>(&value), sizeof value);
+                }
+        return file.string();
+    }();
+    return path;
+}
+
 std::string vector_text(const Vec3d& v)
 {
     return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x, v.y, v.z);
@@ -146,6 +170,12 @@ const std::vector<RowInstance>& row_instances()
                  vector_text(s), vector_text(s));
          },
          0.9},
+        {"voxels", "voxels", [](const Vec3d& s) { return fmt::format("file = \"{}\"\ncell = 0.5\norigin = {}\n", voxel_path(), vector_text(s)); }},
+        {"voxels", "voxels_of_layers",
+         [](const Vec3d& s) {
+             return fmt::format("base = \"convolution_cut_exact\"\ncell = 0.4\nregion_min = {}\nregion_max = {}\n", vector_text(Vec3d(0, -1, 1) + s),
+                                vector_text(Vec3d(8, 6, 6) + s));
+         }},
         {"rock_pile", "rock_pile",
          [](const Vec3d& s) {
              return fmt::format("base = {}\nsize = [3.4, 3.0, 1.6]\nrocks_per_tile = 12\nrock_detail = 3\nform = \"bed\"\n", vector_text(s));
