@@ -87,7 +87,7 @@ void VoxelGrid::trim()
         });
     });
     SparseLattice<float> kept(values.size(), air);
-    const auto within_band = [&](float x) { return x < 0.0f ? std::max(x, -edge) : std::min(x, edge); };
+    const auto within_band = [&](float x) { return x < 0.0f ? std::max(x, -edge) : std::clamp(x, just_air, std::max(edge, just_air)); };
     const auto trim_block = [&](const Index3& b) {
         const auto view = values.block(b);
         if (!needed.block(b).block) {

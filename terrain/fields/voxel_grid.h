@@ -32,8 +32,10 @@ struct VoxelGrid {
 
     /// Value of a sample that may lie beyond the lattice.
     float at(const Index3& p) const { return values.at(p); }
-    /// Precondition: an inner sample.
-    void set(const Index3& p, float value) { values.set(p, value); }
+    /// Precondition: an inner sample. A value of exactly 0 is air, and becomes just_air.
+    void set(const Index3& p, float value) { values.set(p, value == 0.0f ? just_air : value); }
+    /// Samples at the level itself would make whole faces of cells vanish, which are neither side: instead of 0 they have this, above 0.
+    static constexpr float just_air = 1e-30f;
 
     /// Keeps what the surface is made of: samples of cells that the surface crosses keep their values, all others at least their side of it, and what
     /// is farther than a block keeps nothing else. Values become at most `band()` in magnitude. The surface itself keeps its bits. Memory then
