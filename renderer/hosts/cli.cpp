@@ -105,35 +105,48 @@ const CLI::Validator in_metres(
     },
     "", "metres");
 
-void add_import_dem(CLI::App& app, Arguments& a)
+/// What an elevation model is, for every command that reads one.
+void add_dem_options(CLI::App& command, Arguments& a)
 {
-    CLI::App* command = app.add_subcommand("import-dem", "Turn an elevation model into a height image in metres with square cells");
     DemOptions& o = a.import.options;
-    const auto length = [&](const char* flag, double& value, const char* help) {
-        command->add_option(flag, value, help)->transform(in_metres)->check(CLI::PositiveNumber);
-    };
-    command->add_option("input", a.import.input, "NumPy archive (.npz) or any image")->required();
-    command->add_option("-o,--output", a.import.output, "Height image to write (.exr)")->required()->check(file_name("a height image", ".exr"));
-    command->add_option("--array", o.array, "Array of an archive; without it the only one with two dimensions");
-    command->add_flag("--flip", o.flip, "Row 0 of the source is the south");
-    command->add_option("--subset", a.subset, "x0,x1,y0,y1 in source pixels, half-open, row 0 = north")
+    command.add_option("--array", o.array, "Array of an archive; without it the only one with two dimensions");
+    command.add_flag("--flip", o.flip, "Row 0 of the source is the south");
+    command.add_option("--subset", a.subset, "x0,x1,y0,y1 in source pixels, half-open, row 0 = north")
         ->delimiter(',')
         ->expected(4)
         ->check(CLI::NonNegativeNumber);
-    length("--scale", o.scale, "Metres for the value 1");
-    auto* cell = command->add_option("--cell", a.cell, "Metres between source pixels: one number, or x,y")
+    command.add_option("--scale", o.scale, "Metres for the value 1")->transform(in_metres)->check(CLI::PositiveNumber);
+    auto* cell = command.add_option("--cell", a.cell, "Metres between source pixels: one number, or x,y")
                      ->delimiter(',')
                      ->expected(1, 2)
                      ->transform(in_metres)
                      ->check(CLI::PositiveNumber);
-    command->add_option("--degrees", a.degrees, "Degrees between source pixels: one number, or x,y")
+    command.add_option("--degrees", a.degrees, "Degrees between source pixels: one number, or x,y")
         ->delimiter(',')
         ->expected(1, 2)
         ->check(CLI::PositiveNumber)
         ->excludes(cell);
-    command->add_option("--latitude", o.latitude, "Of the middle, in degrees; without it from the archive")->check(CLI::Range(-89.0, 89.0));
-    length("--resample", o.resample_to, "Metres between the cells written; without it the smaller of the two spacings");
-    command->add_flag("-q,--quiet", a.import.quiet, "Say nothing but errors");
+    command.add_option("--latitude", o.latitude, "Of the middle, in degrees; without it from the archive")->check(CLI::Range(-89.0, 89.0));
+    command.add_option("--resample", o.resample_to, "Metres between the cells written; without it the smaller of the two spacings")
+        ->transform(in_metres)
+        ->check(CLI::PositiveNumber);
+    command.add_flag("-q,--quiet", a.import.quiet, "Say nothing but errors");
+}
+
+void add_import_dem(CLI::App& app, Arguments& a)
+{
+    CLI::App* command = app.add_subcommand("import-dem", "Turn an elevation model into a height image in metres with square cells");
+    command->add_option("input", a.import.input, "NumPy archive (.npz) or any image")->required();
+    command->add_option("-o,--output", a.import.output, "Height image to write (.exr)")->required()->check(file_name("a height image", ".exr"));
+    add_dem_options(*command, a);
+}
+
+void add_analyse(CLI::App& app, Arguments& a)
+{
+    CLI::App* command = app.add_subcommand("analyse", "Measure an elevation model: slope, aspect, curvatures, drained area, wetness");
+    command->add_option("input", a.import.input, "Height image, NumPy archive (.npz) or any image")->required();
+    command->add_option("-o,--output", a.import.output, "Channels to write (.exr)")->required()->check(file_name("metrics", ".exr"));
+    add_dem_options(*command, a);
 }
 
 void add_movie(CLI::App& app, Arguments& a)
@@ -198,6 +211,7 @@ void add_commands(CLI::App& app, Arguments& a)
         ->transform(in_metres)
         ->check(CLI::PositiveNumber);
     add_import_dem(app, a);
+    add_analyse(app, a);
     add_render(app, a);
     add_movie(app, a);
     add_scene_options(*app.add_subcommand("check", "Read and build a scene, report all its errors"), a);
@@ -267,9 +281,9 @@ int run(int argc, char** argv)
     if (name == "check") return run_check(arguments.render.scene);
     if (name == "info") return run_info(arguments.render.scene);
     if (name == "movie") return run_movie(arguments.movie);
-    if (name == "import-dem") {
+    if (name == "import-dem" || name == "analyse") {
         finish_import(arguments);
-        return run_import_dem(arguments.import);
+        return name == "analyse" ? run_analyse(arguments.import) : run_import_dem(arguments.import);
     }
     arguments.exported.scene = arguments.render.scene;
     if (name == "bake") return arguments.exported.output.empty() ? run_bake_cracks(arguments.exported) : run_bake(arguments.exported);

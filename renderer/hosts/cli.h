@@ -66,6 +66,7 @@ int run_info(const SceneArguments& arguments);
 int run_schema(const std::string& section);
 int run_version();
 int run_import_dem(const ImportArguments& arguments);
+int run_analyse(const ImportArguments& arguments);
 int run_movie(const MovieArguments& arguments);
 int run_bake(const ExportArguments& arguments);
 int run_bake_cracks(const ExportArguments& arguments);

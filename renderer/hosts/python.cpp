@@ -300,6 +300,7 @@ PYBIND11_MODULE(hoodoo, module)
     py::register_exception<hoodoo::Error>(module, "Error", PyExc_ValueError).attr("__doc__") =
         "Anything wrong with a scene, a file or an argument; its text says where, what, what was expected and what was found.";
     add_terrain(module);
+    add_analysis(module);
     add_image(module);
     add_scene(module);
     module.def("load", &load, py::arg("path_or_toml_text"), py::arg("overrides") = py::dict(), py::arg("seed") = py::none(), py::arg("threads") = 0,

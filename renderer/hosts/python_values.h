@@ -52,4 +52,7 @@ void for_chunks(std::size_t count, std::size_t chunk_size, const std::function<v
 /// Adds MaterialStack, ConvolutionField, Field, catalogue() and field() to the module.
 void add_terrain(py::module_& module);
 
+/// Adds the submodule `analysis`.
+void add_analysis(py::module_& module);
+
 }  // namespace hoodoo::python

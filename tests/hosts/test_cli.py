@@ -410,3 +410,22 @@ def test_a_terrain_without_cracks_has_no_crack_map(scene, tmp_path):
     assert not (tmp_path / "m.exr").exists()
     assert hoodoo("bake", scene).returncode == 2
     assert hoodoo("bake", scene, "-o", tmp_path / "a.exr", "--crack-map", tmp_path / "m.exr").returncode == 2
+
+
+# -- Analyses -----------------------------------------------------------------------------------------------------------------
+
+def test_analyse_measures_an_elevation_model(tmp_path):
+    numpy = pytest.importorskip("numpy")
+    y, x = numpy.mgrid[20:0:-1, 0:30]
+    numpy.savez(tmp_path / "dem.npz", elevation=(5.0 * y + 0.0 * x))
+    done = hoodoo("analyse", tmp_path / "dem.npz", "--cell", "5 m", "-o", tmp_path / "metrics.exr")
+    assert done.returncode == 0, done.stderr
+    assert "30 x 20 cells of 5 m" in done.stderr
+    # A ramp of 45 degrees that faces south.
+    assert re.search(r"slope +0.785398 to 0.785398", done.stderr)
+    assert re.search(r"aspect +3.14159 to 3.14159", done.stderr)
+    # The southern row drains a whole column: 20 cells of 25 m2.
+    assert re.search(r"drainage +25 to 500", done.stderr)
+    names = subprocess.run(["exrheader", str(tmp_path / "metrics.exr")], capture_output=True, text=True).stdout
+    for name in ("slope", "aspect", "plan", "profile", "drainage", "wetness", "wetness_cover", "hoodoo:cell"):
+        assert name in names

@@ -359,3 +359,42 @@ def test_docstrings_say_shapes_and_units():
     for thing in (hoodoo.load, hoodoo.Scene.render, hoodoo.Scene.intersect, hoodoo.Scene.occluded, hoodoo.MaterialStack.__init__, hoodoo.ConvolutionField, hoodoo.Field.value):
         assert thing.__doc__ and len(thing.__doc__) > 80
     assert "(n, 3)" in hoodoo.Scene.intersect.__doc__ and "metres" in hoodoo.Scene.intersect.__doc__
+
+
+# -- Analysis ---------------------------------------------------------------------------------------------------------
+
+def test_analysis_gives_the_golden_drainage_and_wetness():
+    golden = json.loads((ROOT / "tests/golden/b_galin.json").read_text())["drainage"]
+    z, cell = np.array(golden["Z"]), golden["cell"]
+    area, slope, downstream = hoodoo.analysis.drainage(z, cell)
+    np.testing.assert_array_equal(area, golden["A_m2"])
+    np.testing.assert_allclose(slope, golden["s"], atol=1e-12)
+    assert downstream[4, 4] == -1 and downstream.dtype == np.int64
+    np.testing.assert_allclose(hoodoo.analysis.wetness(z, cell), golden["wetness_tan"], atol=1e-12)
+    np.testing.assert_allclose(hoodoo.analysis.wetness(z, cell, kind="cover"), golden["wetness_cover_formula"], atol=1e-12)
+
+
+def test_analysis_gives_the_golden_curvatures():
+    for case in json.loads((ROOT / "tests/golden/b_galin.json").read_text())["curvature"]:
+        z = np.array(case["Z_rows_top_first"]).reshape(3, 3)
+        for name, key in [("plan", "plan_slide"), ("profile", "profile_slide"), ("normal", "true_profile"), ("contour", "true_plan_contour"),
+                          ("tangential", "true_tangential")]:
+            got = getattr(hoodoo.analysis, name + "_curvature")(z, case["C"])[1, 1]
+            assert got == pytest.approx(case[key], abs=1e-12), (case["name"], name)
+
+
+def test_analysis_of_simple_ground():
+    y, x = np.mgrid[3:-1:-1, 0:5]
+    ramp = 2.0 * y                                       # rises to the north, faces south
+    np.testing.assert_allclose(hoodoo.analysis.slope(ramp, 2.0), math.pi / 4)
+    np.testing.assert_allclose(hoodoo.analysis.aspect(ramp, 2.0), math.pi)
+    np.testing.assert_allclose(hoodoo.analysis.hillshade(ramp, 2.0, azimuth=math.pi, altitude=math.pi / 4), 1.0)
+    assert (hoodoo.analysis.fill_pits(ramp, 2.0) == ramp).all()
+    with pytest.raises(hoodoo.Error, match="z has a wrong shape"):
+        hoodoo.analysis.slope(np.zeros(3), 1.0)
+    ramp[1, 2] = math.nan
+    with pytest.raises(hoodoo.Error, match="1 that are not, the first at column 2, row 1"):
+        hoodoo.analysis.aspect(ramp, 2.0)
+    for name in dir(hoodoo.analysis):
+        if not name.startswith("_"):
+            assert "->" in getattr(hoodoo.analysis, name).__doc__
