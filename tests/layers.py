@@ -26,7 +26,7 @@ MAY_INCLUDE = {
     "terrain/surfaces": TERRAIN_PUBLIC | {"terrain/fields", "terrain/stack", "terrain/edit", "terrain/march", "terrain/io", "terrain/rocks"},
     "terrain/catalogue": TERRAIN_PUBLIC | {"terrain/surfaces"},
     "renderer/geometry": TERRAIN_BASE,
-    "renderer/shading": TERRAIN_BASE,
+    "renderer/shading": TERRAIN_BASE | {"terrain/io/raster.h"},
     "renderer/light": TERRAIN_BASE,
     "renderer/film": PARAMETERS | {"terrain/io/atomic_file.h"},
     "renderer/compare": PARAMETERS | {"renderer/film"},

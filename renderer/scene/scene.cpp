@@ -6,6 +6,7 @@
 #include "renderer/scene/scene.h"
 
 #include "renderer/geometry/instance.h"
+#include "renderer/shading/mask.h"
 #include "renderer/scene/terrains.h"
 
 #include <algorithm>
@@ -22,8 +23,14 @@ SceneParts make_parts(const Description& description, const SceneOptions& option
     BuiltTerrains terrains = build_terrains(description, options, parts.camera);
     parts.objects = std::move(terrains.objects);
     parts.shapes = std::move(terrains.shapes);
+    const auto plain = [&](const std::string& name) {
+        const auto& all = description.materials;
+        const auto node = std::find_if(all.begin(), all.end(), [&](const DescribedNode& n) { return n.name == name; });
+        return node == all.end() ? default_look(name, options.to_rendering)
+                                 : make_look(name, node->values, options.to_rendering, description.resolve);
+    };
     for (const DescribedNode& node : description.materials)
-        parts.looks[node.name] = make_look(node.name, node.values, options.to_rendering, description.resolve);
+        parts.looks[node.name] = with_masks(plain(node.name), node.values, description.resolve, plain);
     for (const DescribedNode& node : description.lights)
         for (Light& light : make_lights(node.type, node.values, options.to_rendering)) parts.lights.push_back(std::move(light));
     return parts;

@@ -8,6 +8,7 @@
 
 #include "renderer/shading/look.h"
 
+#include "renderer/shading/mask.h"
 #include "renderer/shading/procedural.h"
 #include "renderer/shading/texture.h"
 #include "renderer/shading/triplanar.h"
@@ -308,6 +309,12 @@ const Schema& material_schema()
              .fallback = 1.0,
              .minimum = 0.0,
              .maximum = 4.0},
+            {.name = "mask",
+             .type = ParameterType::tables,
+             .doc = "Where another material shows instead; masks with one `into` are multiplied",
+             .max_count = 32,
+             .discriminator = "by",
+             .items = mask_schemas()},
         }};
     return schema;
 }
