@@ -132,7 +132,7 @@ TEST(Mask, errors_name_what_is_wrong)
         return material({table({{"by", "map"}, {"into", "sand"}, {"from", 0.0}, {"to", 1.0}, {"map", file}, {"channel", channel}})});
     };
     EXPECT_EQ(error_of(mask(path, "wetnes")),
-              path + ": the map has no such channel, expected one of wetness, got \"wetnes\" (did you mean \"wetness\"?)");
+              path + ": the map has no such channel, expected one of wetness, got \"wetnes\" (did you mean \"wetness\")");
     EXPECT_EQ(error_of(mask("/nowhere.exr", "wetness")), "/nowhere.exr: cannot read the map, expected a regular file, got No such file or directory");
     const std::string unsized = map_file({0, 0, 0, 0, 0, 0}, 0.0);
     EXPECT_EQ(error_of(mask(unsized, "wetness")),
