@@ -92,7 +92,7 @@ std::vector<double> aspect(const Elevation& elevation)
     return each<double>(elevation, [](const Quadric& q) {
         if (q.g == 0.0 && q.h == 0.0) return -1.0;
         const double a = std::atan2(-q.g, -q.h);
-        return a < 0.0 ? a + 2.0 * kPi : a;
+        return a < 0.0 ? a + 2.0 * kPi : a + 0.0;  // no -0
     });
 }
 
