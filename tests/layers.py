@@ -33,7 +33,8 @@ MAY_INCLUDE = {
     "renderer/scene": TERRAIN_PUBLIC | {"renderer/geometry", "renderer/light", "renderer/shading"},
     "renderer/transport": TERRAIN_BASE | {"renderer/scene", "renderer/geometry", "renderer/light", "renderer/shading", "renderer/film"},
     "renderer/render": TERRAIN_PUBLIC | {"renderer/scene", "renderer/geometry", "renderer/light", "renderer/shading", "renderer/transport",
-                                         "renderer/film", "renderer/compare", "terrain/io/polygonise.h", "terrain/io/mesh_writer.h"},
+                                         "renderer/film", "renderer/compare", "terrain/io/polygonise.h", "terrain/io/mesh_writer.h", "terrain/io/grid_file.h", "terrain/io/drawing.h",
+                                         "terrain/io/height_image.h"},
 }
 
 

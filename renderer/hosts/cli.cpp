@@ -24,6 +24,8 @@ struct Arguments {
     MovieArguments movie;
     std::int64_t frame = 0;
     ExportArguments exported;
+    SurveyArguments survey;
+    double azimuth_deg = 315.0, altitude_deg = 45.0;
     std::vector<int> subset;
     std::vector<double> cell, degrees;
     std::vector<std::string> params, sets;
@@ -203,8 +205,64 @@ void add_bake(CLI::App& app, Arguments& a)
         ->check(CLI::PositiveNumber);
 }
 
+CLI::App* add_survey(CLI::App& app, Arguments& a, const char* name, const char* help)
+{
+    CLI::App* command = app.add_subcommand(name, help);
+    add_scene_options(*command, a);
+    command->add_option("--terrain", a.survey.terrain, "Which terrain of the scene, where it has several");
+    return command;
+}
+
+/// What contours and hillshade take their heights from.
+void add_heights(CLI::App& command, Arguments& a)
+{
+    SurveyArguments& s = a.survey;
+    command.get_option("scene")->description("Scene file (TOML), or an elevation model (.npz or any image)");
+    command.add_option("--bounds", s.bounds, "x0,x1,y0,y1 in metres; without it all of the terrain")->delimiter(',')->expected(4);
+    command.add_option("--cell", s.cell, "Metres between heights; without it a 1024th of the longer side, or what the model says")
+        ->transform(in_metres)
+        ->check(CLI::PositiveNumber);
+    command.add_option("--scale", s.scale, "Metres for the value 1 of an elevation model")->transform(in_metres)->check(CLI::PositiveNumber);
+}
+
+void add_surveys(CLI::App& app, Arguments& a)
+{
+    SurveyArguments& s = a.survey;
+    CLI::App* sample = add_survey(app, a, "sample", "Write the field of a terrain on a grid of points");
+    sample->add_option("--grid", s.grid, "Nodes along x, y and z: NX,NY,NZ")->required()->delimiter(',')->expected(3)->check(CLI::Range(1, 65536));
+    sample->add_option("--bounds", s.bounds, "x0,x1,y0,y1,z0,z1 in metres; without it those of the terrain")->delimiter(',')->expected(6);
+    sample->add_option("-o,--output", s.output, "Grid to write (.vdb, .exr or .npy)")->required();
+
+    CLI::App* section = add_survey(app, a, "slice", "Draw a vertical section through a terrain");
+    section->add_option("--from", s.from, "x,y where it begins, metres")->required()->delimiter(',')->expected(2);
+    section->add_option("--to", s.to, "x,y where it ends, metres")->required()->delimiter(',')->expected(2);
+    section->add_option("--heights", s.heights, "z0,z1 in metres; without it those of the terrain")->delimiter(',')->expected(2);
+    section->add_option("--columns", s.columns, "Pixels from begin to end")->check(CLI::Range(2, 16384));
+
+    CLI::App* contours = add_survey(app, a, "contours", "Draw contours of a terrain as seen from above");
+    add_heights(*contours, a);
+    contours->add_option("--interval", s.interval, "Metres from one contour to the next")->transform(in_metres)->check(CLI::PositiveNumber);
+    for (CLI::App* drawing : {section, contours})
+        drawing->add_option("-o,--output", s.output, "Drawing to write (.svg or .png)")->required()->check(file_name("a drawing", ".svg", ".png"));
+
+    CLI::App* shade = add_survey(app, a, "hillshade", "Shade a terrain as seen from above, as maps do");
+    add_heights(*shade, a);
+    shade->add_option("--azimuth", a.azimuth_deg, "Where the light comes from, degrees from north to east")->check(CLI::Range(-360.0, 360.0));
+    shade->add_option("--altitude", a.altitude_deg, "Of the light above the horizon, degrees")->check(CLI::Range(0.0, 90.0));
+    shade->add_option("--exaggeration", s.exaggeration, "Of heights")->check(CLI::PositiveNumber);
+    shade->add_option("-o,--output", s.output, "Picture to write (.png)")->required()->check(file_name("a picture", ".png"));
+
+    CLI::App* error = add_survey(app, a, "mesh-error", "Measure how far a mesh lies from the field of a terrain; prints JSON");
+    error->add_option("mesh", s.mesh, "Triangles (.ply, .obj or .stl) in the scene's metres")->required();
+    error->add_flag("--y-up", s.y_up, "The mesh's second axis is its vertical");
+    error->add_option("--reach", s.reach, "Metres to search; without it a fiftieth of the mesh's diagonal")
+        ->transform(in_metres)
+        ->check(CLI::PositiveNumber);
+}
+
 void add_commands(CLI::App& app, Arguments& a)
 {
+    add_surveys(app, a);
     add_bake(app, a);
     add_export(app, a, "mesh", "Write a terrain as triangles, with its measured error", file_name("a mesh", ".ply", ".obj"))
         ->add_option("--spacing", a.exported.spacing, "Metres between samples; without it a column of the stack")
@@ -288,6 +346,15 @@ int run(int argc, char** argv)
     arguments.exported.scene = arguments.render.scene;
     if (name == "bake") return arguments.exported.output.empty() ? run_bake_cracks(arguments.exported) : run_bake(arguments.exported);
     if (name == "mesh") return run_mesh(arguments.exported);
+    constexpr double radians = 0.017453292519943295;
+    arguments.survey.scene = arguments.render.scene;
+    arguments.survey.azimuth = radians * arguments.azimuth_deg;
+    arguments.survey.altitude = radians * arguments.altitude_deg;
+    if (name == "sample") return run_sample(arguments.survey);
+    if (name == "slice") return run_section(arguments.survey);
+    if (name == "contours") return run_contours(arguments.survey);
+    if (name == "hillshade") return run_hillshade(arguments.survey);
+    if (name == "mesh-error") return run_mesh_error(arguments.survey);
     if (name == "schema") return run_schema(arguments.section);
     return run_version();
 }

@@ -59,6 +59,22 @@ struct ExportArguments {
     double cell = 0.0;                       ///< of these pictures, metres; 0: a 1024th of the longer side
 };
 
+/// Of one terrain looked at as a researcher does.
+struct SurveyArguments {
+    SceneArguments scene;  ///< for contours and hillshade an elevation model, too
+    std::string terrain, output, mesh;
+    std::vector<int> grid;                   ///< nodes along x, y, z
+    std::vector<double> bounds;              ///< x0,x1,y0,y1 and perhaps z0,z1; empty: the terrain's
+    std::vector<double> from, to, heights;   ///< of a section, metres; no heights: the terrain's
+    int columns = 1200;                      ///< pixels along a section
+    double cell = 0.0, scale = 1.0;          ///< metres between heights, 0: by default; metres for the value 1 of an elevation model
+    double interval = 10.0;                  ///< metres between contours
+    double azimuth = 5.497787143782138;      ///< radians from north to east
+    double altitude = 0.7853981633974483;    ///< radians
+    double exaggeration = 1.0, reach = 0.0;  ///< of heights; of the search for the surface beside a mesh, metres, 0: by default
+    bool y_up = false;
+};
+
 /// Each returns the exit code and throws what it cannot do.
 int run_render(const RenderArguments& arguments);
 int run_check(const SceneArguments& arguments);
@@ -71,6 +87,11 @@ int run_movie(const MovieArguments& arguments);
 int run_bake(const ExportArguments& arguments);
 int run_bake_cracks(const ExportArguments& arguments);
 int run_mesh(const ExportArguments& arguments);
+int run_sample(const SurveyArguments& arguments);
+int run_section(const SurveyArguments& arguments);
+int run_contours(const SurveyArguments& arguments);
+int run_hillshade(const SurveyArguments& arguments);
+int run_mesh_error(const SurveyArguments& arguments);
 
 /// A bar with the time left on a terminal; elsewhere a plain line for each tenth. On stderr: stdout is for data.
 class Progress
@@ -102,9 +123,6 @@ void print(const std::string& text);
 LoadedScene load(const SceneArguments& arguments, Progress& progress);
 /// Throws Error (file) if nothing can be written there: an hour of work must not end at a folder that does not exist.
 void check_output(const std::string& path);
-
-/// The surface of a terrain that is shown; without a name of the only one. Throws Error (scene): none, or triangles.
-const Surface& surface_of(const LoadedScene& loaded, const std::string& terrain);
 
 /// "1:05:20", "0:07".
 std::string clock_text(double seconds);

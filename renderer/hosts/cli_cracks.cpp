@@ -3,6 +3,7 @@
 
 #include "terrain/io/crack_maps.h"
 #include "renderer/scene/terrain.h"
+#include "renderer/survey.h"
 #include "terrain/surfaces/cracked.h"
 
 #include <fmt/format.h>
@@ -13,19 +14,6 @@
 namespace hoodoo::cli
 {
 
-const Surface& surface_of(const LoadedScene& loaded, const std::string& terrain)
-{
-    const DescribedNode& node = choose_terrain(loaded.description, terrain);
-    const auto& objects = loaded.scene->objects();
-    const auto at = std::find_if(objects.begin(), objects.end(), [&](const SceneObject& object) { return object.name == node.name; });
-    if (at == objects.end())
-        throw Error(ErrorKind::scene, Problem{node.where, "this terrain is not shown: another one stands on it", "visible = true", {}, {}});
-    const Shape& shape = loaded.scene->shapes()[static_cast<std::size_t>(at - objects.begin())];
-    if (const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shape)) return **surface;
-    throw Error(ErrorKind::scene,
-                Problem{node.where, "this terrain is made of triangles", "a terrain with a surface of its own", '"' + node.type + '"', {}});
-}
-
 int run_bake_cracks(const ExportArguments& arguments)
 {
     for (const std::string& path : {arguments.crack_map, arguments.height, arguments.diagram})
@@ -33,7 +21,7 @@ int run_bake_cracks(const ExportArguments& arguments)
     Progress progress(arguments.scene.quiet);
     const LoadedScene loaded = load(arguments.scene, progress);
     const DescribedNode& node = choose_terrain(loaded.description, arguments.terrain);
-    const auto* surface = dynamic_cast<const CrackedSurface*>(&surface_of(loaded, arguments.terrain));
+    const auto* surface = dynamic_cast<const CrackedSurface*>(survey(loaded, arguments.terrain).surface);
     if (!surface)
         throw Error(ErrorKind::scene,
                     Problem{node.where, "a terrain without cracks has no crack map", "type = \"cracked\"", '"' + node.type + '"', {}});

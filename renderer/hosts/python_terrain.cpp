@@ -206,7 +206,28 @@ void add_terrain(py::module_& module)
              "axis is not 3.")
         .def("gradient", &gradients_at, py::arg("points"),
              "gradient(points) -> float64 (n, 3)\n\nIts gradient per metre at points, float64 (n, 3) in metres; it points from matter to air, and is "
-             "one-sided where the function has a crease.");
+             "one-sided where the function has a crease.")
+        .def(
+            "interval",
+            [](const FieldHandle& self, const std::array<double, 3>& low, const std::array<double, 3>& high) {
+                for (std::size_t k = 0; k < 3; ++k)
+                    if (!(low[k] <= high[k])) refuse("the box of an interval", "low <= high in every coordinate");
+                const Interval i = self.field->range(Box3d(Vec3d(low[0], low[1], low[2]), Vec3d(high[0], high[1], high[2])));
+                return std::make_pair(i.lo, i.hi);
+            },
+            py::arg("low"), py::arg("high"),
+            "interval(low, high) -> (float, float)\n\nA proved enclosure of the values over the box between the corners low and high, three numbers "
+            "in "
+            "metres each: no value lies outside. Raises hoodoo.Error: a box that is none.")
+        .def(
+            "slope_bound",
+            [](const FieldHandle& self, const std::array<double, 3>& a, const std::array<double, 3>& b) {
+                return self.field->slope_bound({Vec3d(a[0], a[1], a[2]), Vec3d(b[0], b[1], b[2])});
+            },
+            py::arg("a"), py::arg("b"),
+            "slope_bound(a, b) -> float\n\nA proved upper bound of |value(p) - value(q)| / |p - q|, per metre, over all p, q of the segment from a "
+            "to b, "
+            "three numbers in metres each.");
 
     py::class_<MaterialStack, std::shared_ptr<MaterialStack>>(module, "MaterialStack", "Layers of material over a grid of columns.")
         .def(py::init(&stack_from), py::arg("cell"), py::arg("columns"), py::arg("origin") = std::array<double, 3>{0.0, 0.0, 0.0},

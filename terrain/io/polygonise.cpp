@@ -313,7 +313,7 @@ private:
                 const Vec3d &a = *position.at(t[0]), &b = *position.at(t[1]), &c = *position.at(t[2]);
                 Measured m{0.5 * (b - a).cross(c - a).length(), 0.0, 0.0, false};
                 for (const Vec3d& p : {(a + b + c) / 3.0, (a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5}) {
-                    const double d = distance(p);
+                    const double d = distance_along_gradient(field_, p, 2.0 * h_);
                     m.mean += 0.25 * d;
                     m.maximum = std::max(m.maximum, d);
                     m.far = m.far || d >= 2.0 * h_;
@@ -330,15 +330,6 @@ private:
         report_.triangles += part.triangles.size();
     }
 
-    double distance(const Vec3d& p) const
-    {
-        const Vec3d gradient = field_.gradient(p);
-        const double slope = gradient.length();
-        if (!(slope > 0.0)) return 2.0 * h_;
-        const auto found = root_along(field_, p, gradient / slope, field_.value(p), slope, 2.0 * h_);
-        return found ? std::abs(*found) : 2.0 * h_;
-    }
-
     const Field& field_;
     const PolygoniseOptions& options_;
     double h_;
@@ -348,6 +339,15 @@ private:
 };
 
 }  // namespace
+
+double distance_along_gradient(const Field& field, const Vec3d& p, double reach)
+{
+    const Vec3d gradient = field.gradient(p);
+    const double slope = gradient.length();
+    if (!(slope > 0.0)) return reach;
+    const auto found = root_along(field, p, gradient / slope, field.value(p), slope, reach);
+    return found ? std::abs(*found) : reach;
+}
 
 PolygoniseReport polygonise(const Field& field, const PolygoniseOptions& options, const std::function<void(const MeshPart&)>& deliver)
 {

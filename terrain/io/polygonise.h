@@ -34,6 +34,9 @@ struct PolygoniseReport {
     std::uint64_t far_triangles = 0;  ///< triangles with such a place
 };
 
+/// How far the field's zero lies from `p` along its gradient there, metres: an upper bound of the distance. `reach` if there is none so near.
+double distance_along_gradient(const Field& field, const Vec3d& p, double reach);
+
 /// Calls deliver(part) once for each tile that holds surface, in a fixed order: the same bits for any number of threads. Throws Error (scene) if the
 /// lattice has over 2^31 points a side or the mesh over 2^31 vertices, Error (internal) without OpenVDB, and what `deliver` throws.
 PolygoniseReport polygonise(const Field& field, const PolygoniseOptions& options, const std::function<void(const MeshPart&)>& deliver);

@@ -429,3 +429,53 @@ def test_analyse_measures_an_elevation_model(tmp_path):
     names = subprocess.run(["exrheader", str(tmp_path / "metrics.exr")], capture_output=True, text=True).stdout
     for name in ("slope", "aspect", "plan", "profile", "drainage", "wetness", "wetness_cover", "hoodoo:cell"):
         assert name in names
+
+
+# -- Looking at a terrain -----------------------------------------------------------------------------------------------------
+
+def test_samples_slices_contours_hillshade_and_mesh_errors(tmp_path):
+    path = tmp_path / "mud.toml"
+    path.write_text(CRACKED)
+    for name in ("f.npy", "f.exr", "f.vdb"):
+        done = hoodoo("sample", path, "--terrain", "mud", "--grid", "9,5,3", "--bounds", "-4,4,-2,2,-1,1", "-o", tmp_path / name)
+        assert done.returncode == 0, done.stderr
+        assert "9 x 5 x 3 values" in done.stderr and "step (1, 1, 1) m" in done.stderr
+    numpy = pytest.importorskip("numpy")
+    values = numpy.load(tmp_path / "f.npy")
+    assert values.shape == (9, 5, 3)
+    assert (values[:, :, 0] < 0).all() and (values[:, :, 2] > 0).all()
+    # What was written is read back as a terrain.
+    vdb = tmp_path / "vdb.toml"
+    vdb.write_text(CRACKED[:CRACKED.index("[terrain.mud]")] + '[terrain.v]\ntype = "voxels"\nfile = "f.vdb"\nmeaning = "distance"\n' + CRACKED[CRACKED.index("[light.sky]"):])
+    again = hoodoo("check", vdb)
+    assert again.returncode == 0, again.stderr
+
+    assert hoodoo("slice", path, "--from", "-4,0.1", "--to", "4,0.1", "-o", tmp_path / "s.svg").returncode == 0
+    assert (tmp_path / "s.svg").read_text().count("<rect") > 10
+    assert hoodoo("hillshade", path, "--cell", "0.1", "-o", tmp_path / "h.png").returncode == 0
+    assert (tmp_path / "h.png").read_bytes().startswith(b"\x89PNG")
+    done = hoodoo("contours", path, "--cell", "0.1", "--interval", "0.1 m", "-o", tmp_path / "c.png")
+    assert done.returncode == 0 and "contours every 0.1 m of 160 x 160 heights" in done.stderr
+
+    flat = tmp_path / "flat.obj"
+    flat.write_text("v -1 -1 0.25\nv 1 -1 0.25\nv 1 1 0.25\nf 1 2 3\n")
+    floor = tmp_path / "floor.toml"
+    floor.write_text(SCENE)
+    done = hoodoo("mesh-error", floor, flat, "-q")
+    error = json.loads(done.stdout)
+    # The diagonal is 2.83 m, a fiftieth of it does not reach the floor a quarter below.
+    assert error["far_triangles"] == 1 and error["triangles"] == 1
+    error = json.loads(hoodoo("mesh-error", floor, flat, "-q", "--reach", "1").stdout)
+    assert error["mean_error"] == pytest.approx(0.25) and error["maximum_error"] == pytest.approx(0.25) and error["area"] == pytest.approx(2.0)
+
+
+def test_what_cannot_be_looked_at_is_said(tmp_path):
+    path = tmp_path / "mud.toml"
+    path.write_text(CRACKED)
+    for arguments, words in [(("slice", path, "--from", "1,1", "--to", "1,1", "-o", tmp_path / "s.png"), "the section has no length"),
+                             (("sample", path, "--grid", "2,2,2", "-o", tmp_path / "f.txt"), "the ending of a grid's file, expected .npy, .exr or .vdb"),
+                             (("hillshade", path, "--bounds", "100,101,100,101", "-o", tmp_path / "h.png"), "nothing of the terrain lies in the area"),
+                             (("contours", path, "--interval", "1e-7", "--cell", "0.5", "-o", tmp_path / "c.svg"), "--interval makes too many contours"),
+                             (("sample", path, "--terrain", "mut", "--grid", "2,2,2", "-o", tmp_path / "f.npy"), 'did you mean "mud"')]:
+        done = hoodoo(*arguments)
+        assert done.returncode in (2, 3) and words in done.stderr, (arguments, done.stderr)

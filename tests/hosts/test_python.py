@@ -398,3 +398,25 @@ def test_analysis_of_simple_ground():
     for name in dir(hoodoo.analysis):
         if not name.startswith("_"):
             assert "->" in getattr(hoodoo.analysis, name).__doc__
+
+
+# -- What is proved of a field ------------------------------------------------------------------------------------------
+
+def test_every_row_with_a_field_has_values_gradients_and_intervals():
+    rows = {"plane": {"normal": [0.2, 0.1, 1.0]},
+            "cracked": {"n": 20, "zero": -1.0, "one": 1.0, "ground": [{"type": "plane", "extent": 4.0}]},
+            "convolution": {"columns": [8, 8], "cell": 1.0, "layer": [{"shape": "flat", "top": 3.0}]}}
+    random = np.random.default_rng(2)
+    for row, parameters in rows.items():
+        field = hoodoo.field(row, **parameters)
+        for _ in range(20):
+            low = random.uniform(-3, 3, 3)
+            high = low + random.uniform(0, 1, 3)
+            inside = field.value(random.uniform(low, high, (200, 3)))
+            least, most = field.interval(low, high)
+            assert least <= inside.min() + 1e-9 and inside.max() <= most + 1e-9, row
+            a, b = field.value([low])[0], field.value([high])[0]
+            assert abs(a - b) <= field.slope_bound(low, high) * np.linalg.norm(high - low) + 1e-9, row
+        assert field.gradient([[0.3, 0.2, 0.1]]).shape == (1, 3)
+    with pytest.raises(hoodoo.Error, match="low <= high"):
+        field.interval([1, 0, 0], [0, 1, 1])
