@@ -11,6 +11,7 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
+#include <algorithm>
 #include <sstream>
 
 namespace hoodoo
@@ -19,7 +20,9 @@ namespace hoodoo
 void write_vdb_grid(const std::string& path, const SampledGrid& grid)
 {
     openvdb::initialize();
-    const auto volume = openvdb::FloatGrid::create(0.0f);
+    // Beyond the samples there is air.
+    const double largest = grid.values.empty() ? 1.0 : *std::max_element(grid.values.begin(), grid.values.end());
+    const auto volume = openvdb::FloatGrid::create(largest > 0.0 ? static_cast<float>(largest) : 1.0f);
     volume->setName("field");
     openvdb::Mat4d frame = openvdb::Mat4d::identity();
     frame.postScale(openvdb::Vec3d(grid.step.x, grid.step.y, grid.step.z));

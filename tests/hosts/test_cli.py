@@ -446,7 +446,7 @@ def test_samples_slices_contours_hillshade_and_mesh_errors(tmp_path):
     assert (values[:, :, 0] < 0).all() and (values[:, :, 2] > 0).all()
     # What was written is read back as a terrain.
     vdb = tmp_path / "vdb.toml"
-    vdb.write_text(CRACKED[:CRACKED.index("[terrain.mud]")] + '[terrain.v]\ntype = "voxels"\nfile = "f.vdb"\nmeaning = "distance"\n' + CRACKED[CRACKED.index("[light.sky]"):])
+    vdb.write_text(CRACKED[:CRACKED.index("[terrain.mud]")] + '[terrain.v]\ntype = "voxels"\nfile = "f.vdb"\nvalues = "distance"\n' + CRACKED[CRACKED.index("[light.sky]"):])
     again = hoodoo("check", vdb)
     assert again.returncode == 0, again.stderr
 
