@@ -117,9 +117,9 @@ Image render(const LoadedScene& loaded, const RenderOptions& options)
     const Values &picture = loaded.description.film, &work = loaded.description.render;
     FilmLayout layout = picture_layout(loaded.description, options);
     layout.materials = loaded.scene->material_names();
-    Film film(std::move(layout));
-
     PathSettings path;
+    path.size = {layout.width, layout.height};
+    Film film(std::move(layout));
     path.max_depth = static_cast<int>(work.integer("max_depth"));
     path.roulette_depth = static_cast<int>(work.integer("roulette_depth"));
     path.seed = options.seed.value_or(loaded.description.seed);

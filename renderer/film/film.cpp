@@ -32,7 +32,7 @@ namespace
 {
 
 // Places of the summed channels in PixelSums::total_. Radiance, alpha and cost are means over all samples, the rest over those that hit.
-enum Sum : std::size_t { radiance = 0, alpha = 3, normal = 4, geometric = 7, position = 10, albedo = 13, cost = 16, materials = 17 };
+enum Sum : std::size_t { radiance = 0, alpha = 3, normal = 4, geometric = 7, position = 10, albedo = 13, motion = 16, cost = 18, materials = 19 };
 
 constexpr std::size_t plane_z = 4;  // in Film::channels_
 
@@ -46,7 +46,7 @@ bool is_finite(const PixelSample& s)
     bool finite = is_finite(s.radiance) && std::isfinite(s.alpha) && std::isfinite(s.cost);
     if (s.alpha > 0.0f) {
         finite = finite && std::isfinite(s.z) && is_finite(s.position) && is_finite(s.shading_normal) && is_finite(s.geometric_normal) &&
-                 is_finite(s.albedo);
+                 is_finite(s.albedo) && std::isfinite(s.motion.x) && std::isfinite(s.motion.y);
         for (const float share : s.materials) finite = finite && std::isfinite(share);
     }
     return finite;
@@ -61,8 +61,8 @@ void add_vector(double* sums, const Vec3f& v)
 
 std::vector<std::string> channel_names(const FilmLayout& layout)
 {
-    std::vector<std::string> names = {"R",    "G",    "B",   "A",   "Z",   "N.X",      "N.Y",      "N.Z",     "Ng.X",
-                                      "Ng.Y", "Ng.Z", "P.X", "P.Y", "P.Z", "albedo.R", "albedo.G", "albedo.B"};
+    std::vector<std::string> names = {"R",    "G",   "B",   "A",   "Z",        "N.X",      "N.Y",      "N.Z",      "Ng.X",    "Ng.Y",
+                                      "Ng.Z", "P.X", "P.Y", "P.Z", "albedo.R", "albedo.G", "albedo.B", "motion.X", "motion.Y"};
     for (const std::string& material : layout.materials) names.push_back("material." + material);
     for (const char* name : {"objectId", "instanceId", "variance.R", "variance.G", "variance.B", "samples.Y", "cost.Y"}) names.emplace_back(name);
     return names;
@@ -94,6 +94,8 @@ void PixelSums::add(const PixelSample& sample)
         add_vector(sums + geometric, sample.geometric_normal);
         add_vector(sums + position, sample.position);
         add_vector(sums + albedo, sample.albedo);
+        sums[motion] += sample.motion.x;
+        sums[motion + 1] += sample.motion.y;
         const std::size_t shares = std::min(sample.materials.size(), block_.size() - materials);
         for (std::size_t i = 0; i < shares; ++i) sums[materials + i] += sample.materials[i];
         if (sample.z < best_z_) {

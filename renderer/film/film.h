@@ -18,6 +18,7 @@ struct PixelSample {
     float alpha = 0.0f;    ///< 1 where something was hit; the members from z to materials are read only then
     float z = 0.0f;        ///< distance along the view axis, metres; +inf on a miss
     Vec3f position{0.0f}, shading_normal{0.0f}, geometric_normal{0.0f}, albedo{0.0f};
+    Vec2f motion{0.0f};        ///< of what is seen, pixels from the shutter's opening to its closing, x to the right, y downwards
     std::uint32_t object = 0;  ///< 1-based id of the object, 0 on a miss
     std::uint32_t instance = 0;
     float cost = 0.0f;                 ///< field evaluations of the whole path
@@ -73,6 +74,8 @@ public:
     /// - R, G, B: mean radiance of the samples, W/m2/sr. A: share of samples that hit something.
     /// - Z: distance along the view axis of the nearest sample, metres; +inf where every sample missed. objectId, instanceId: of that same sample;
     ///   0 on a miss.
+    /// - motion (X Y): how far what is seen moves over the picture while the shutter is open, pixels, x to the right, y downwards: by its own motion
+    ///   and the camera's. Of a surface that flows it is the motion across itself. Mean over the samples that hit, 0 on a miss.
     /// - N, Ng (shading and geometric normal, X Y Z, world space), P (position, X Y Z, metres), albedo (R G B), material.NAME (share in [0, 1]):
     ///   means over the samples that hit, not multiplied by A, 0 on a miss. A mean of unit normals is shorter than 1 where they differ.
     /// - variance (R G B): variance of the pixel mean, (W/m2/sr)^2. +inf where it cannot be known: a single sample or replicate.

@@ -195,6 +195,16 @@ Ray Camera::ray(const Vec2d& film, const Vec2i& size, double time) const
     return ray;
 }
 
+Vec2d Camera::project(const Vec3d& p, const Vec2i& size, double time) const
+{
+    const View v = view(time);
+    const Vec2d extent = half_extent(v.tangent, size);
+    const Vec3d from = p - v.eye;
+    const double depth = from.dot(v.forward);
+    if (!(depth > 0.0)) return Vec2d(kInfinity);
+    return {0.5 * size.x * (1.0 + from.dot(v.right) / (depth * extent.x)), 0.5 * size.y * (1.0 - from.dot(v.up) / (depth * extent.y))};
+}
+
 Imath::M44d Camera::view_matrix() const
 {
     const View& v = still_;

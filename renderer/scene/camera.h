@@ -33,6 +33,9 @@ public:
     /// Its footprint is the cone of one pixel. Crossing::entering: eyes are in air (Scene's constructor checks it).
     Ray ray(const Vec2d& film, const Vec2i& size, double time) const;
 
+    /// Where a point is seen at `time`: on the film, in pixels, as ray() counts them. Not finite unless it lies in front of the eye.
+    Vec2d project(const Vec3d& p, const Vec2i& size, double time) const;
+
     /// At a time in [0, 1] of the shutter.
     Vec3d eye(double time = 0.0) const { return view(time).eye; }
     Vec3d forward(double time = 0.0) const { return view(time).forward; }  ///< unit

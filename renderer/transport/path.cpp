@@ -17,6 +17,7 @@
 #include "renderer/transport/path.h"
 
 #include "renderer/shading/bsdf.h"
+#include "renderer/transport/motion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -110,7 +111,8 @@ Vec3f escaped(const Scene& scene, const Vec3d& direction, double pdf, bool caust
     return sum;
 }
 
-void record_first_hit(const Scene& scene, const Vertex& v, double time, std::uint32_t object, std::span<float> shares, PixelSample& out)
+void record_first_hit(const Scene& scene, const Vertex& v, double time, std::uint32_t object, const Vec2i& size, std::span<float> shares,
+                      PixelSample& out)
 {
     out.alpha = 1.0f;
     out.z = static_cast<float>(scene.camera().depth(v.at.position, time));
@@ -118,6 +120,7 @@ void record_first_hit(const Scene& scene, const Vertex& v, double time, std::uin
     out.shading_normal = Vec3f(v.look.normal);
     out.geometric_normal = Vec3f(v.at.geometric_normal);
     out.albedo = v.look.albedo;
+    out.motion = picture_motion(scene.camera(), v.at, time, size);
     out.object = object + 1;
     out.instance = v.at.instance;
     const std::vector<std::uint32_t>& names = scene.objects()[object].materials;
@@ -161,7 +164,7 @@ PixelSample trace_path(const Scene& scene, const PathSettings& settings, const R
             return out;
         }
         const Vertex v = make_vertex(scene, ray, hit);
-        if (events == 0) record_first_hit(scene, v, ray.time, hit.object, shares, out);
+        if (events == 0) record_first_hit(scene, v, ray.time, hit.object, settings.size, shares, out);
         const std::uint32_t set = 1 + static_cast<std::uint32_t>(events) * sets_an_event;
 
         // Light that arrives straight from the lights.

@@ -15,6 +15,7 @@ struct PathSettings {
     int roulette_depth = 2;  ///< scattering events before Russian roulette may end a path
     std::uint64_t seed = 0;
     std::uint32_t frame = 0;
+    Vec2i size{0, 0};  ///< of the picture, pixels: what motion is told in; (0, 0): none is told
 };
 
 /// Follows a path from the camera and returns what it saw. `sampler` stands at the sample; set 0 belongs to the camera, the path takes the others.

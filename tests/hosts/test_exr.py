@@ -52,7 +52,7 @@ def statistics(path):
 def test_all_channels_are_there_in_their_formats(picture):
     header = run("exrheader", picture)
     half = "R G B A N.X N.Y N.Z Ng.X Ng.Y Ng.Z albedo.R albedo.G albedo.B material.sand material.bedrock".split()
-    full = "Z P.X P.Y P.Z objectId instanceId variance.R variance.G variance.B samples.Y cost.Y".split()
+    full = "Z P.X P.Y P.Z motion.X motion.Y objectId instanceId variance.R variance.G variance.B samples.Y cost.Y".split()
     for name in half:
         assert f"    {name}, 16-bit floating-point" in header
     for name in full:
