@@ -32,7 +32,7 @@ BreakerLife life(const Breaker& b, double y, double t)
     l.fallen = smoothstep(tau / b.collapse);
     l.fallen_t = c;
     l.fallen_y = -c * delay;
-    l.white = b.bore * std::exp(-std::max(0.0, tau) / b.decay);
+    l.white = tau > 0.0 ? b.bore * std::exp(-tau / b.decay) : b.bore;
     l.white_t = tau > 0.0 ? -l.white / b.decay : 0.0;
     l.white_y = -l.white_t * delay;
     l.since_fall = tau;

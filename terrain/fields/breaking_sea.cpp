@@ -49,11 +49,17 @@ double BreakingSea::deviation_value(const Breaker& b, const Vec3d& p, double t, 
     if (l.fallen < 1.0) {
         const WaveProfile profile(b.shape);
         const Vec2d section(x, p.z - level_ - b.shape.depth), side = centre + b.along() * y;
+        const double highest = swell_.amplitude();
         const auto level = [&](const Vec2d& from) {
             return from.y + b.shape.depth - (swell_.empty() ? 0.0 : swell_.height(side + b.across() * from.x, t));
         };
-        double wave = level(profile.circular_place(section, l.duration));
-        if (x < 0.0) wave = std::min(wave, level(profile.parabolic_place(section, l.duration)));
+        // Beyond the outer radius nothing has turned; no water has flown that far either, since a parabola's points are above its radius.
+        double wave = section.length() >= b.shape.outer ? calm : level(profile.circular_place(section, l.duration));
+        if (x < 0.0) {
+            const Vec2d from = profile.parabolic_place(section, l.duration);
+            // Only where some swell could make it the deeper one.
+            if (from.y + b.shape.depth - highest < wave) wave = std::min(wave, level(from));
+        }
         sum = (1.0 - l.fallen) * (wave - calm);
     }
     if (l.fallen > 0.0) sum -= l.fallen * l.white * std::exp(-x * x / (b.bore_width() * b.bore_width()));

@@ -14,6 +14,11 @@ constexpr double kRounding = 1e-12;  ///< relative, of a few operations
 
 }  // namespace
 
+Swells::Swells(std::vector<Swell> trains, const SwellFade& fade) : trains_(std::move(trains)), fade_(fade)
+{
+    for (const Swell& s : trains_) amplitude_ += std::abs(s.amplitude);
+}
+
 Swells::Height Swells::at(const Vec2d& p, double t) const
 {
     Height r;
@@ -89,13 +94,6 @@ Swells::Bound Swells::bound(const Interval& x, const Interval& y, const Interval
     r.height = {r.height.lo - size, r.height.hi + size};
     for (Interval& i : r.slope) i = {i.lo - size, i.hi + size};
     return r;
-}
-
-double Swells::amplitude() const
-{
-    double sum = 0.0;
-    for (const Swell& s : trains_) sum += std::abs(s.amplitude);
-    return sum;
 }
 
 }  // namespace hoodoo

@@ -40,7 +40,7 @@ public:
     };
 
     Swells() = default;
-    explicit Swells(std::vector<Swell> trains, const SwellFade& fade = {}) : trains_(std::move(trains)), fade_(fade) {}
+    explicit Swells(std::vector<Swell> trains, const SwellFade& fade = {});
 
     bool empty() const { return trains_.empty(); }
     Height at(const Vec2d& p, double t) const;
@@ -48,11 +48,12 @@ public:
     /// For all points of a rectangle and all of these times.
     Bound bound(const Interval& x, const Interval& y, const Interval& times) const;
     /// No point is higher or lower, metres.
-    double amplitude() const;
+    double amplitude() const { return amplitude_; }
 
 private:
     std::vector<Swell> trains_;
     SwellFade fade_;
+    double amplitude_ = 0.0;
 };
 
 }  // namespace hoodoo

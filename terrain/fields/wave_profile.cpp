@@ -76,11 +76,26 @@ double flight(double q, double z)
 
 }  // namespace
 
+namespace
+{
+
+/// base^exponent: the paper's exponents without the library's general way.
+double power(double base, double exponent)
+{
+    if (exponent == 1.0) return base;
+    if (exponent == 2.0) return base * base;
+    if (exponent == 3.0) return base * base * base;
+    if (exponent == 4.0) return base * base * (base * base);
+    return std::pow(base, exponent);
+}
+
+}  // namespace
+
 double WaveProfile::speed(double r) const
 {
     if (r <= shape_.core) return r / shape_.core;
     if (r >= shape_.outer) return 0.0;
-    return std::pow((shape_.outer - r) / (shape_.outer - shape_.core), shape_.alpha);
+    return power((shape_.outer - r) / (shape_.outer - shape_.core), shape_.alpha);
 }
 
 double WaveProfile::speed_slope(double r) const
@@ -88,7 +103,7 @@ double WaveProfile::speed_slope(double r) const
     if (r <= shape_.core) return 1.0 / shape_.core;
     if (r >= shape_.outer) return 0.0;
     const double width = shape_.outer - shape_.core;
-    return -shape_.alpha / width * std::pow((shape_.outer - r) / width, shape_.alpha - 1.0);
+    return -shape_.alpha / width * power((shape_.outer - r) / width, shape_.alpha - 1.0);
 }
 
 double WaveProfile::turn(double r) const
@@ -105,7 +120,7 @@ double WaveProfile::shear_slope(double r) const
 {
     if (r <= shape_.core || r >= shape_.outer) return 0.0;
     const double width = shape_.outer - shape_.core;
-    const double bend = shape_.alpha * (shape_.alpha - 1.0) / (width * width) * std::pow((shape_.outer - r) / width, shape_.alpha - 2.0);
+    const double bend = shape_.alpha * (shape_.alpha - 1.0) / (width * width) * power((shape_.outer - r) / width, shape_.alpha - 2.0);
     return bend - speed_slope(r) / r + speed(r) / (r * r);
 }
 

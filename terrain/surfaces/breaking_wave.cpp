@@ -191,7 +191,7 @@ Shape make_breaking_wave(const Values& values, const BuildContext& context)
     settings.domain = Box3d(origin + Vec3d(-extent, -extent, heights.lo - 0.01), origin + Vec3d(extent, extent, heights.hi + 0.01));
     double least = kInfinity;
     for (const Breaker& b : sea.breakers) least = std::min(least, b.shape.core);
-    settings.size = values.has("patch") ? values.number("patch") : std::isfinite(least) ? least / 3.0 : extent / 64.0;
+    settings.size = values.has("patch") ? values.number("patch") : std::isfinite(least) ? least / 4.0 : extent / 64.0;
     settings.focus = values.has("centre") ? values.vec3("centre") : context.view ? context.view->eye : origin;
     settings.growth = values.number("growth");
     settings.moving = open != close;
@@ -228,14 +228,14 @@ CatalogueEntry breaking_wave_row()
     schema.parameters.push_back(place("centre", "Where patches are smallest; by default the eye."));
     schema.parameters.push_back({.name = "patch",
                                  .type = ParameterType::length,
-                                 .doc = "Side of the boxes that rays are tested against, near the centre; by default a third of the smallest core.",
+                                 .doc = "Side of the boxes that rays are tested against, near the centre; by default a quarter of the smallest core.",
                                  .unit = "m",
                                  .minimum = 0,
                                  .above_minimum = true});
     schema.parameters.push_back({.name = "growth",
                                  .type = ParameterType::number,
                                  .doc = "How much larger boxes are a metre of distance from the centre.",
-                                 .fallback = 0.01,
+                                 .fallback = 0.02,
                                  .minimum = 0,
                                  .maximum = 1});
     return {"breaking_wave", "Gamito2001", std::move(schema), make_breaking_wave};

@@ -6,6 +6,7 @@
 #include "tests/bench/rocks.h"
 #include "tests/bench/trace.h"
 #include "tests/bench/warp.h"
+#include "tests/bench/wave.h"
 
 #include <cstdio>
 #include <cstring>
@@ -13,8 +14,8 @@
 int main(int argc, char** argv)
 {
     using namespace hoodoo::bench;
-    const std::map<std::string, nlohmann::json (*)(bool)> benchmarks{
-        {"edit", edit_benchmark}, {"path", path_benchmark}, {"rocks", rocks_benchmark}, {"trace", trace_benchmark}, {"warp", warp_benchmark}};
+    const std::map<std::string, nlohmann::json (*)(bool)> benchmarks{{"edit", edit_benchmark},   {"path", path_benchmark}, {"rocks", rocks_benchmark},
+                                                                     {"trace", trace_benchmark}, {"warp", warp_benchmark}, {"wave", wave_benchmark}};
     std::string name;
     bool full = true;
     for (int i = 1; i < argc; ++i) {

@@ -59,7 +59,7 @@ Vec2f middle_motion(const std::string& camera, const std::string& terrain)
     PathSettings settings;
     settings.size = {200, 100};
     std::vector<float> shares(scene.material_names().size());
-    return trace_path(scene, settings, scene.camera().ray({100, 50}, settings.size, 0.5), Sampler(1, 0, 0, 0, 0), shares).motion;
+    return trace_path(scene, settings, scene.camera().ray({100, 50}, settings.size, 0.5), Sampler(1, 0, {100, 50}, 0), shares).motion;
 }
 
 TEST(Motion, still_ground_moves_under_a_camera_that_flies)
