@@ -3,6 +3,8 @@
 
 #include "terrain/fields/wave_profile.h"
 
+#include <algorithm>
+
 namespace hoodoo
 {
 
@@ -21,7 +23,18 @@ struct Breaker {
     double decay = 6.0;        ///< of the white water
     double bore = 0.9;         ///< height of the white water
 
-    double bore_width() const { return 0.35 * shape.outer; }  ///< half of the white water's
+    double bore_width() const { return 0.35 * shape.outer; }  ///< about half of the white water's
+    /// Section of the white water: (1 - (x / R1)^2)^8, about a bell of that width, and nothing where nothing turns.
+    double bump(double x) const
+    {
+        const double s = x / shape.outer, a = std::max(0.0, 1.0 - s * s), b = a * a, c = b * b;
+        return c * c;
+    }
+    double bump_slope(double x) const
+    {
+        const double s = x / shape.outer, a = std::max(0.0, 1.0 - s * s), b = a * a;
+        return -16.0 * s / shape.outer * b * b * b * a;
+    }
     Vec2d centre_at(double t) const { return centre + heading * (speed * t); }
     Vec2d across() const { return -heading; }                     ///< local x: against the way it runs
     Vec2d along() const { return Vec2d(heading.y, -heading.x); }  ///< local y: along the crest

@@ -1,8 +1,9 @@
 // Swell plus what breaking waves make of it (Gamito2001, section 4.2): each wave is a cross-section (wave_profile.h) carried along its crest, whose
 // intensity T(y, t) grows as the break runs along it (breaker.h).
 //   F_wave = z0 + d - eta(P0),  P0 the place the water came from, at the branch that holds water (the union of both);
-//   F_bore = z - level - eta(P) - H exp(-tau / decay) exp(-x^2 / b^2):  white water that runs on after the fall, tau the time since it began;
-//   F = (z - level - eta(P)) + sum over the waves of  (1 - c) (F_wave - (z - level - eta(P))) - c H exp(-tau / decay) exp(-x^2 / b^2).
+//   F_bore = z - level - eta(P) - H exp(-tau / decay) B(x):  white water that runs on after the fall, tau the time since it began, B its
+//   section;
+//   F = (z - level - eta(P)) + sum over the waves of  (1 - c) (F_wave - (z - level - eta(P))) - c H exp(-tau / decay) B(x).
 // The swell obeys deep water's dispersion, omega^2 = g k. Deviations: the paper stops before the wave falls; collapse and decay are ours.
 // The bounds are in breaking_sea_bounds.cpp.
 #include "terrain/fields/breaking_sea.h"
@@ -43,6 +44,8 @@ double BreakingSea::deviation_value(const Breaker& b, const Vec3d& p, double t, 
 {
     const Vec2d centre = b.centre_at(t), flat = Vec2d(p.x, p.y) - centre;
     const double x = b.across().dot(flat), y = b.along().dot(flat);
+    // Behind it nothing has turned or flown.
+    if (x >= b.shape.outer) return 0.0;
     const BreakerLife l = life(b, y, t);
     if (l.duration == 0.0) return 0.0;
     double sum = 0.0;
@@ -62,7 +65,7 @@ double BreakingSea::deviation_value(const Breaker& b, const Vec3d& p, double t, 
         }
         sum = (1.0 - l.fallen) * (wave - calm);
     }
-    if (l.fallen > 0.0) sum -= l.fallen * l.white * std::exp(-x * x / (b.bore_width() * b.bore_width()));
+    if (l.fallen > 0.0) sum -= l.fallen * l.white * b.bump(x);
     return sum;
 }
 
@@ -84,7 +87,7 @@ BreakingSea::Deviation BreakingSea::deviation(const Breaker& b, const Vec3d& p, 
     const double moved = there.slope.dot(b.heading) * b.speed;
     const double apart_t = by.x * b.speed + by_duration * l.duration_t - there.by_time - moved + here.by_time;
 
-    const double x = at.local.x, width = b.bore_width(), bump = std::exp(-x * x / (width * width)), bump_x = -2.0 * x / (width * width) * bump;
+    const double x = at.local.x, bump = b.bump(x), bump_x = b.bump_slope(x);
     const double white = l.white * bump, keep = 1.0 - l.fallen;
     out.value = keep * apart - l.fallen * white;
     const Vec2d flat_gradient = (wave_flat + here.slope) * keep - across * (l.fallen * l.white * bump_x) -

@@ -71,7 +71,7 @@ LocalField BreakingSea::deviation_bound(const Breaker& b, const Box3d& box, cons
     out.value = {0.0, 0.0};
     out.gradient = {Interval{0, 0}, Interval{0, 0}, Interval{0, 0}};
     out.curvature = 0.0;
-    if (l.duration.hi == 0.0) return out;
+    if (l.duration.hi == 0.0 || x.lo >= b.shape.outer) return out;
     const WaveProfile profile(b.shape);
 
     // Each branch over its part of the box.
@@ -132,9 +132,10 @@ LocalField BreakingSea::deviation_bound(const Breaker& b, const Box3d& box, cons
 
     const Swells::Bound here = swell_.bound(wx, wy, times);
     const Interval calm = Interval{box.min.z - level_, box.max.z - level_} + -here.height, apart = all.value + -calm;
-    const double width = b.bore_width(), near = std::max({0.0, x.lo, -x.hi});
-    const Interval bump{std::exp(-std::pow(x.magnitude() / width, 2)), std::exp(-near * near / (width * width))};
-    const double bump_x = std::min(0.8578 / width, 2.0 * x.magnitude() / (width * width) * bump.hi), bump_xx = 2.0 / (width * width);
+    // Of the section of the white water: the slope is steepest at R1 / sqrt(15), 16 / sqrt(15) (14 / 15)^7 / R1; it bends most in its middle.
+    const double near = std::max({0.0, x.lo, -x.hi}), outer = b.shape.outer;
+    const Interval bump{b.bump(x.magnitude()), b.bump(near)};
+    const double bump_x = near >= outer ? 0.0 : 2.5494 / outer, bump_xx = near >= outer ? 0.0 : 16.0 / (outer * outer);
     const Interval keep{1.0 - l.fallen.hi, 1.0 - l.fallen.lo}, white = l.white * bump;
     out.value = keep * apart + -(l.fallen * white);
 

@@ -2,6 +2,7 @@
 // The fade is a product of two smoothsteps of the distances along x and y. Used by Gamito2001's waves (breaking_sea.cpp) as the calm sea.
 #include "terrain/fields/swell.h"
 
+#include "terrain/math/sincos.h"
 #include "terrain/math/smoothstep.h"
 
 namespace hoodoo
@@ -23,8 +24,9 @@ Swells::Height Swells::at(const Vec2d& p, double t) const
 {
     Height r;
     for (const Swell& s : trains_) {
-        const double angle = s.wave_number.dot(p) - s.frequency * t + s.phase, down = -s.amplitude * std::sin(angle);
-        r.height += s.amplitude * std::cos(angle);
+        const SinCos angle = sin_cos(s.wave_number.dot(p) - s.frequency * t + s.phase);
+        const double down = -s.amplitude * angle.sine;
+        r.height += s.amplitude * angle.cosine;
         r.slope += s.wave_number * down;
         r.by_time -= s.frequency * down;
     }
@@ -46,7 +48,7 @@ double Swells::height(const Vec2d& p, double t) const
     double weight = 1.0, sum = 0.0;
     for (int k = 0; k < 2; ++k) weight *= 1.0 - smoothstep((std::abs(p[k] - fade_.centre[k]) - fade_.inner) / (fade_.outer - fade_.inner));
     if (weight == 0.0) return 0.0;
-    for (const Swell& s : trains_) sum += s.amplitude * std::cos(s.wave_number.dot(p) - s.frequency * t + s.phase);
+    for (const Swell& s : trains_) sum += s.amplitude * sin_cos(s.wave_number.dot(p) - s.frequency * t + s.phase).cosine;
     return sum * weight;
 }
 
@@ -58,13 +60,13 @@ Swells::Bound Swells::bound(const Interval& x, const Interval& y, const Interval
     double total = 0.0, slope = 0.0;
     for (const Swell& s : trains_) {
         // The cosine at the middle, give or take how far the angle goes; it can go no higher than one.
-        const double angle = s.wave_number.dot(middle) - s.frequency * t + s.phase;
+        const SinCos angle = sin_cos(s.wave_number.dot(middle) - s.frequency * t + s.phase);
         const double turn = std::abs(s.wave_number.x) * half.x + std::abs(s.wave_number.y) * half.y + std::abs(s.frequency) * span;
         const double a = std::abs(s.amplitude), k = s.wave_number.length();
         const auto about = [&](double value) {
             return Interval::common({value - std::min(turn, 2.0), value + std::min(turn, 2.0)}, {-1.0, 1.0}).scaled(s.amplitude);
         };
-        const Interval cosine = about(std::cos(angle)), sine = about(std::sin(angle));
+        const Interval cosine = about(angle.cosine), sine = about(angle.sine);
         r.height = r.height + cosine;
         for (int i = 0; i < 2; ++i) r.slope[i] = r.slope[i] + -sine.scaled(s.wave_number[i]);
         r.second += a * k * k;

@@ -11,6 +11,7 @@
 // All bounds follow from monotony of each factor in each variable, and of v, omega, |r omega'| and its derivative beyond the core (alpha >= 2).
 #include "terrain/fields/wave_profile.h"
 
+#include "terrain/math/sincos.h"
 #include "terrain/math/smoothstep.h"
 
 #include <algorithm>
@@ -184,7 +185,9 @@ Vec2d WaveProfile::circular_place(const Vec2d& p, double duration) const
     const double rho = p.length();
     if (rho >= shape_.outer) return p;
     const double theta = angle_of(p.x, p.y, p.x < 0.0), chi = theta - turn(rho) * duration;
-    return chi <= kLast ? Vec2d(0.0, rho) : Vec2d(rho * std::cos(chi), rho * std::sin(chi));
+    if (chi <= kLast) return {0.0, rho};
+    const SinCos at = sin_cos(chi);
+    return {rho * at.cosine, rho * at.sine};
 }
 
 Vec2d WaveProfile::parabolic_place(const Vec2d& p, double duration) const
@@ -192,7 +195,8 @@ Vec2d WaveProfile::parabolic_place(const Vec2d& p, double duration) const
     const double r = parabola_radius(-p.x, p.y), psi = turn(r) * duration - flight(-p.x, p.y);
     if (psi >= 2.0 * kPi) return {0.0, r};
     if (!(psi > 0.0)) return {0.0, r + p.length() * smoothstep(-psi)};
-    return {r * std::sin(psi), r * std::cos(psi)};
+    const SinCos at = sin_cos(psi);
+    return {r * at.sine, r * at.cosine};
 }
 
 WaveBound WaveProfile::circular_bound(const Interval& x, const Interval& z, const Interval& duration) const
