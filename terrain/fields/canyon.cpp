@@ -108,10 +108,28 @@ double CanyonProfile::most() const
     return shape_.amplitude * kNoise1Bound.value * (2.0 - std::exp2(1.0 - shape_.octaves));
 }
 
+double CanyonProfile::usual() const
+{
+    // 256 slices: of the first octaves less than a tenth of a wavelength each, and the weights of a distance may be any.
+    constexpr int slices = 256;
+    CanyonShape flat = shape_;
+    flat.view.reset();
+    const CanyonProfile plain(flat);
+    double most = 0.0;
+    for (int k = 0; k < slices; ++k) {
+        const double lo = static_cast<double>(k) / slices, hi = static_cast<double>(k + 1) / slices;
+        most = std::max(
+            most, plain.over(Box3d(shape_.origin + Vec3d(0, 0, lo * shape_.height), shape_.origin + Vec3d(0, 0, hi * shape_.height))).t.magnitude());
+    }
+    return std::min(most, this->most());
+}
+
 // -- The walls ---------------------------------------------------------------------------------------------------------------
 
 CanyonWall::CanyonWall(const CanyonShape& shape)
-    : shape_(shape), profile_(shape), warp_(noise_gradient_flow(shape.origin, shape.cell, shape.seed), profile_.most() * shape.cell)
+    : shape_(shape),
+      profile_(shape),
+      warp_(noise_gradient_flow(shape.origin, shape.cell, shape.seed), profile_.most() * shape.cell, profile_.usual() * shape.cell)
 {
 }
 
@@ -172,6 +190,58 @@ Vec3d CanyonWall::gradient(const Vec3d& p) const
         if (from.length() > 0.0) sum += from.normalized() * (by_t * t.by_distance);
     }
     return -sum;
+}
+
+void CanyonWall::prepare(const Box3d& domain)
+{
+    const double w = shape_.cell;
+    lanes_ = {};
+    lanes_.steps = warp_.steps();
+    lanes_.reach = profile_.most() * kNoise2Derivatives.slope;
+    lanes_.z_lo = -0.05, lanes_.z_hi = 1.05;
+    const auto low = [&](double x, double o) { return std::floor((x - o) / w - lanes_.reach) - 1.0; };
+    lanes_.x0 = low(domain.min.x, shape_.origin.x);
+    lanes_.y0 = low(domain.min.y, shape_.origin.y);
+    lanes_.nx = static_cast<std::int64_t>(std::ceil((domain.max.x - shape_.origin.x) / w + lanes_.reach) + 3.0 - lanes_.x0);
+    lanes_.ny = static_cast<std::int64_t>(std::ceil((domain.max.y - shape_.origin.y) / w + lanes_.reach) + 3.0 - lanes_.y0);
+    for (std::int64_t j = 0; j < lanes_.ny; ++j) {
+        for (std::int64_t i = 0; i < lanes_.nx; ++i) {
+            // At a lattice point the noise's gradient is that of its own plane.
+            const Vec2d g = gradient_noise(Vec2d(lanes_.x0 + static_cast<double>(i), lanes_.y0 + static_cast<double>(j)), shape_.seed).gradient;
+            lanes_.gradient_x.push_back(g.x);
+            lanes_.gradient_y.push_back(g.y);
+        }
+    }
+    double a = shape_.amplitude, f = shape_.frequency;
+    for (int k = 0; k < shape_.octaves; ++k, a *= 0.5, f *= 2.0) {
+        CanyonLanes::Octave octave;
+        octave.frequency = f, octave.shift = 17.3 * k, octave.amplitude = a;
+        if (shape_.view) octave.fade = shape_.view->spread * w * f * 4.0 / shape_.height;
+        octave.first = std::floor(f * lanes_.z_lo + octave.shift);
+        for (double x = octave.first, end = f * lanes_.z_hi + octave.shift + 2.0; x <= end; x += 1.0)
+            octave.slopes.push_back(gradient_noise(x, shape_.profile_seed + static_cast<std::uint32_t>(k)).slope);
+        lanes_.octaves.push_back(std::move(octave));
+    }
+}
+
+void CanyonWall::values(const Vec3d (&p)[CanyonLanes::count], double* out) const
+{
+    CanyonPoints at;
+    bool known = lanes_.nx > 0;
+    const double x1 = lanes_.x0 + static_cast<double>(lanes_.nx) - 2.0, y1 = lanes_.y0 + static_cast<double>(lanes_.ny) - 2.0;
+    for (int i = 0; i < CanyonLanes::count; ++i) {
+        const Vec3d q = p[i] - shape_.origin;
+        at.x[i] = q.x / shape_.cell, at.y[i] = q.y / shape_.cell, at.z[i] = q.z / shape_.height;
+        at.distance[i] = shape_.view ? (p[i] - shape_.view->eye).length() / shape_.cell : 0.0;
+        known = known && at.z[i] >= lanes_.z_lo && at.z[i] <= lanes_.z_hi && at.x[i] - lanes_.reach >= lanes_.x0 && at.x[i] + lanes_.reach <= x1 &&
+                at.y[i] - lanes_.reach >= lanes_.y0 && at.y[i] + lanes_.reach <= y1;
+    }
+    if (!known) {
+        for (int i = 0; i < CanyonLanes::count; ++i) out[i] = value(p[i]);
+        return;
+    }
+    canyon_noise(lanes_, at, out);
+    for (int i = 0; i < CanyonLanes::count; ++i) out[i] = -shape_.cell * (out[i] + ramp(p[i].z, nullptr, nullptr));
 }
 
 LocalField CanyonWall::local(const Box3d& box) const

@@ -58,10 +58,10 @@ std::string Warp::why_not(const Flow& flow, double longest)
     return {};
 }
 
-Warp::Warp(FlowPtr flow, double longest) : flow_(std::move(flow)), longest_(longest)
+Warp::Warp(FlowPtr flow, double longest, double usual) : flow_(std::move(flow)), longest_(longest)
 {
     lipschitz_ = flow_->bound(kEverywhere, {0.0, longest}).gradient;
-    steps_ = std::max(1, static_cast<int>(std::ceil(3.5 * flow_->usual_gradient() * longest)));
+    steps_ = std::max(1, static_cast<int>(std::ceil(3.5 * flow_->usual_gradient() * std::min(longest, usual))));
 }
 
 /// One step of RK4 with its exact derivative: from time t by h, both signed. `stages` are where the velocity was taken.

@@ -25,8 +25,8 @@ public:
     /// Beyond this growth (Lipschitz constant times duration) neighbouring points may part by e^8 = 3000: no march ends in time.
     static constexpr double kMostGrowth = 8.0;
 
-    /// Precondition: why_not(flow, longest) is empty. `longest` >= 0.
-    Warp(FlowPtr flow, double longest);
+    /// Precondition: why_not(flow, longest) is empty. `longest` >= 0; the number of steps goes by `usual`, where that is less.
+    Warp(FlowPtr flow, double longest, double usual = kInfinity);
     /// Empty, or why no warp can be made of these, in words with the numbers.
     static std::string why_not(const Flow& flow, double longest);
 

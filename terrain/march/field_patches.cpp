@@ -10,6 +10,7 @@
 #include "terrain/error.h"
 #include "terrain/march/area_march.h"
 #include "terrain/march/first_crossing.h"
+#include "terrain/march/first_crossing_batched.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -247,6 +248,7 @@ private:
             return PieceBound{known.slope_along(ray.direction), known.curvature_along(ray.direction)};
         };
         const double accuracy = std::max(settings_.accuracy, 4.0 * (rounding_ + 0x1p-52 * (std::abs(a) + std::abs(b))));
+        if (field_.batched()) return certified_batched(ray, bound, closer, a, b, accuracy, t, evaluations);
         double fa = f(a);
         const double fb = f(b);
         evaluations += 2;
@@ -257,6 +259,23 @@ private:
             if (!(a < b)) return false;
             fa = f(a);
             ++evaluations;
+        }
+        return false;
+    }
+
+    template <class Closer>
+    bool certified_batched(const Ray& ray, const PieceBound& bound, const Closer& closer, double a, double b, double accuracy, double& t,
+                           std::uint32_t& evaluations) const
+    {
+        const auto f = [&](const double* s, double* out) {
+            Vec3d p[16];
+            for (int i = 0; i < 16; ++i) p[i] = ray.at(s[i]);
+            field_.values(p, ray.time, out);
+        };
+        while (first_crossing_batched(f, closer, a, b, ray.crossing == Crossing::entering, bound, settings_.flat, accuracy, t, evaluations)) {
+            if (field_.exists(ray.at(t), ray.time)) return true;
+            a = t + accuracy;
+            if (!(a < b)) return false;
         }
         return false;
     }

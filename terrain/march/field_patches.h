@@ -16,6 +16,13 @@ class MarchedField
 public:
     virtual ~MarchedField() = default;
     virtual double value(const Vec3d& p, double time) const = 0;
+    /// Whether values() costs less than two or three times value(); rays are then searched sixteen points at a time.
+    virtual bool batched() const { return false; }
+    /// value() of sixteen points.
+    virtual void values(const Vec3d (&p)[16], double time, double* out) const
+    {
+        for (int i = 0; i < 16; ++i) out[i] = value(p[i], time);
+    }
     /// Proved, for all times. An empty range of values says that nothing exists anywhere in the box.
     virtual LocalField local(const Box3d& box) const = 0;
     /// Where the surface exists: a crossing elsewhere is none.

@@ -36,6 +36,15 @@ public:
         return part_ == Part::wall ? canyon_.wall().value(p) : part_ == Part::plateau ? canyon_.plateau(p) : canyon_.floor(p);
     }
 
+    bool batched() const override { return part_ == Part::wall; }
+    void values(const Vec3d (&p)[16], double time, double* out) const override
+    {
+        if (part_ == Part::wall)
+            canyon_.wall().values(p, out);
+        else
+            MarchedField::values(p, time, out);
+    }
+
     LocalField local(const Box3d& box) const override
     {
         const LocalField top = canyon_.plateau_local(box), ground = canyon_.floor_local(box);
@@ -80,6 +89,7 @@ public:
         : field_(shape), accuracy_(settings.accuracy), flat_(settings.flat), size_(settings.size)
     {
         const Box3d domain = settings.domain;
+        field_.prepare(domain);
         const double floor_top = shape.origin.z + shape.height * shape.floor_amplitude * 2.3, hair = 0.01 * settings.size;
         for (const Part part : {Part::wall, Part::plateau, Part::floor}) {
             // The plateau and the floor are nearly flat: larger boxes do, and no mode but one.

@@ -1,0 +1,159 @@
+// The inverse flow of many points side by side (Gamito2001, section 4.1): what CanyonWall::value computes for one, without branches.
+//
+// Equations as in noise.cpp and warp.cpp: quintic fade, RK4 in equal steps from T down to 0. Gradients come from a table of the lattice, so that no
+// lane hashes. Sums are taken in one order and nothing is fused, so every instruction set gives the same bits.
+
+#include "terrain/fields/canyon_kernel.h"
+
+#include "terrain/isa.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "terrain/fields/canyon_kernel.cpp"
+#define HWY_DISABLE_PCLMUL_AES
+#ifdef __AVX2__
+#define HWY_DISABLED_TARGETS (~(HWY_AVX2 | HWY_AVX3))
+#else
+#define HWY_DISABLED_TARGETS (~(HWY_SSE4 | HWY_AVX2 | HWY_AVX3))
+#endif
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace hoodoo
+{
+namespace HWY_NAMESPACE
+{
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<double, 8>;
+using DI = hn::RebindToSigned<D>;
+using V = hn::Vec<D>;
+using VI = hn::Vec<DI>;
+
+HWY_INLINE V fade(V t)
+{
+    const D d;
+    const V inner = hn::Add(hn::Mul(t, hn::Sub(hn::Mul(hn::Set(d, 6.0), t), hn::Set(d, 15.0))), hn::Set(d, 10.0));
+    return hn::Mul(hn::Mul(hn::Mul(t, t), t), inner);
+}
+
+HWY_INLINE V fade_slope(V t)
+{
+    const D d;
+    const V down = hn::Sub(t, hn::Set(d, 1.0));
+    return hn::Mul(hn::Mul(hn::Mul(hn::Mul(hn::Set(d, 30.0), t), t), down), down);
+}
+
+HWY_INLINE V mix(V a, V b, V t)
+{
+    return hn::Add(a, hn::Mul(t, hn::Sub(b, a)));
+}
+
+/// The lattice around a point: gradients of the four corners and the place between them.
+struct Around {
+    V gx[4], gy[4], v[4], x, y, fx, fy;
+};
+
+HWY_INLINE Around look(const CanyonLanes& lanes, V x, V y)
+{
+    const D d;
+    const DI di;
+    const V one = hn::Set(d, 1.0), lx = hn::Floor(x), ly = hn::Floor(y);
+    const VI column = hn::ConvertTo(di, hn::Sub(lx, hn::Set(d, lanes.x0))), row = hn::ConvertTo(di, hn::Sub(ly, hn::Set(d, lanes.y0)));
+    const V wide = hn::Set(d, static_cast<double>(lanes.nx));
+    const VI at = hn::Add(column, hn::ConvertTo(di, hn::Mul(hn::ConvertTo(d, row), wide)));
+    Around a;
+    a.x = hn::Sub(x, lx);
+    a.y = hn::Sub(y, ly);
+    a.fx = fade(a.x);
+    a.fy = fade(a.y);
+    const VI steps[4] = {hn::Zero(di), hn::Set(di, 1), hn::Set(di, lanes.nx), hn::Set(di, lanes.nx + 1)};
+    const V rx[2] = {a.x, hn::Sub(a.x, one)}, ry[2] = {a.y, hn::Sub(a.y, one)};
+    for (int c = 0; c < 4; ++c) {
+        const VI corner = hn::Add(at, steps[c]);
+        a.gx[c] = hn::GatherIndex(d, lanes.gradient_x.data(), corner);
+        a.gy[c] = hn::GatherIndex(d, lanes.gradient_y.data(), corner);
+        a.v[c] = hn::Add(hn::Mul(a.gx[c], rx[c & 1]), hn::Mul(a.gy[c], ry[c >> 1]));
+    }
+    return a;
+}
+
+HWY_INLINE void noise_gradient(const CanyonLanes& lanes, V x, V y, V& gx, V& gy)
+{
+    const Around a = look(lanes, x, y);
+    const V v0 = mix(a.v[0], a.v[1], a.fx), v1 = mix(a.v[2], a.v[3], a.fx);
+    const V across = mix(hn::Sub(a.v[1], a.v[0]), hn::Sub(a.v[3], a.v[2]), a.fy);
+    gx = hn::Add(mix(mix(a.gx[0], a.gx[1], a.fx), mix(a.gx[2], a.gx[3], a.fx), a.fy), hn::Mul(fade_slope(a.x), across));
+    gy = hn::Add(mix(mix(a.gy[0], a.gy[1], a.fx), mix(a.gy[2], a.gy[3], a.fx), a.fy), hn::Mul(fade_slope(a.y), hn::Sub(v1, v0)));
+}
+
+/// T(z), each octave weighted by distance.
+HWY_INLINE V profile(const CanyonLanes& lanes, V z, V distance)
+{
+    const D d;
+    const DI di;
+    const V one = hn::Set(d, 1.0), zero = hn::Zero(d);
+    V sum = zero;
+    for (const CanyonLanes::Octave& o : lanes.octaves) {
+        const V u = hn::Min(hn::Max(hn::Sub(hn::Mul(distance, hn::Set(d, o.fade)), one), zero), one);
+        const V weight = hn::Sub(one, hn::Mul(hn::Mul(u, u), hn::Sub(hn::Set(d, 3.0), hn::Add(u, u))));
+        const V x = hn::Add(hn::Mul(hn::Set(d, o.frequency), z), hn::Set(d, o.shift)), low = hn::Floor(x), rest = hn::Sub(x, low);
+        const VI at = hn::ConvertTo(di, hn::Sub(low, hn::Set(d, o.first)));
+        const V g0 = hn::GatherIndex(d, o.slopes.data(), at), g1 = hn::GatherIndex(d, o.slopes.data(), hn::Add(at, hn::Set(di, 1)));
+        const V n = mix(hn::Mul(g0, rest), hn::Mul(g1, hn::Sub(rest, one)), fade(rest));
+        sum = hn::Add(sum, hn::Mul(hn::Mul(weight, hn::Set(d, o.amplitude)), n));
+    }
+    return sum;
+}
+
+void noise_of(const CanyonLanes& lanes, const CanyonPoints& points, double* values)
+{
+    const D d;
+    const V half = hn::Set(d, 0.5), sixth = hn::Set(d, 6.0), two = hn::Set(d, 2.0);
+    for (std::size_t i = 0; i < CanyonLanes::count; i += hn::Lanes(d)) {
+        V x = hn::Load(d, points.x + i), y = hn::Load(d, points.y + i);
+        const V h =
+            hn::Div(profile(lanes, hn::Load(d, points.z + i), hn::Load(d, points.distance + i)), hn::Set(d, static_cast<double>(lanes.steps)));
+        const V half_step = hn::Mul(half, h);
+        for (int n = 0; n < lanes.steps; ++n) {
+            V ax, ay, bx, by, cx, cy, ex, ey;
+            noise_gradient(lanes, x, y, ax, ay);
+            noise_gradient(lanes, hn::Sub(x, hn::Mul(ax, half_step)), hn::Sub(y, hn::Mul(ay, half_step)), bx, by);
+            noise_gradient(lanes, hn::Sub(x, hn::Mul(bx, half_step)), hn::Sub(y, hn::Mul(by, half_step)), cx, cy);
+            noise_gradient(lanes, hn::Sub(x, hn::Mul(cx, h)), hn::Sub(y, hn::Mul(cy, h)), ex, ey);
+            const V part = hn::Div(h, sixth);
+            x = hn::Sub(x, hn::Mul(hn::Add(hn::Add(ax, hn::Mul(hn::Add(bx, cx), two)), ex), part));
+            y = hn::Sub(y, hn::Mul(hn::Add(hn::Add(ay, hn::Mul(hn::Add(by, cy), two)), ey), part));
+        }
+        const Around a = look(lanes, x, y);
+        hn::StoreU(mix(mix(a.v[0], a.v[1], a.fx), mix(a.v[2], a.v[3], a.fx), a.fy), d, values + i);
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace hoodoo
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace hoodoo
+{
+
+void canyon_noise(const CanyonLanes& lanes, const CanyonPoints& points, double* values)
+{
+    switch (selected_isa()) {
+        case Isa::avx512:
+            return N_AVX3::noise_of(lanes, points, values);
+        case Isa::avx2:
+            return N_AVX2::noise_of(lanes, points, values);
+        case Isa::sse4:
+#ifndef __AVX2__
+            return N_SSE4::noise_of(lanes, points, values);
+#else
+            break;  // selected_isa() refuses it in this build
+#endif
+    }
+    N_AVX2::noise_of(lanes, points, values);
+}
+
+}  // namespace hoodoo
+#endif

@@ -1,0 +1,40 @@
+// The canyon's walls at sixteen points at once: the profile, the way back along the flow and the noise there, in SIMD lanes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace hoodoo
+{
+
+/// What the lanes need, in cells of the plan and shares of the height.
+struct CanyonLanes {
+    static constexpr int count = 16;
+
+    // Gradients of the noise at lattice points x0 <= x < x0 + nx, row by row.
+    std::vector<double> gradient_x, gradient_y;
+    double x0 = 0.0, y0 = 0.0;
+    std::int64_t nx = 0, ny = 0;
+    double reach = 0.0;  ///< cells: how far a point may be carried
+    int steps = 1;       ///< of RK4
+
+    // Octave k of T: slopes of the 1-D noise at the lattice points from `first` on.
+    struct Octave {
+        std::vector<double> slopes;
+        double first = 0.0, frequency = 0.0, shift = 0.0, amplitude = 0.0;
+        double fade = 0.0;  ///< share of the octave's fade a cell of distance from the eye
+    };
+    std::vector<Octave> octaves;
+    double z_lo = 0.0, z_hi = 0.0;  ///< the octaves know T in between
+};
+
+/// Of sixteen points: place in the plan (cells), height (a share) and distance from the eye (cells).
+struct CanyonPoints {
+    alignas(64) double x[CanyonLanes::count], y[CanyonLanes::count], z[CanyonLanes::count], distance[CanyonLanes::count];
+};
+
+/// n(Psi_T(x, y)) of each point, the same bits on every instruction set. Precondition: z within [z_lo, z_hi]; (x, y), widened by reach and one cell,
+/// within the lattice points known.
+void canyon_noise(const CanyonLanes& lanes, const CanyonPoints& points, double* values);
+
+}  // namespace hoodoo
