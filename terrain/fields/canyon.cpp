@@ -197,7 +197,8 @@ void CanyonWall::prepare(const Box3d& domain)
     const double w = shape_.cell;
     lanes_ = {};
     lanes_.steps = warp_.steps();
-    lanes_.reach = profile_.most() * kNoise2Derivatives.slope;
+    lanes_.speed = kNoise2Derivatives.slope;
+    lanes_.reach = profile_.most() * lanes_.speed;
     lanes_.z_lo = -0.05, lanes_.z_hi = 1.05;
     const auto low = [&](double x, double o) { return std::floor((x - o) / w - lanes_.reach) - 1.0; };
     lanes_.x0 = low(domain.min.x, shape_.origin.x);

@@ -15,6 +15,7 @@ struct CanyonLanes {
     std::vector<double> gradient_x, gradient_y;
     double x0 = 0.0, y0 = 0.0;
     std::int64_t nx = 0, ny = 0;
+    double speed = 0.0;  ///< the noise's steepest slope
     double reach = 0.0;  ///< cells: how far a point may be carried
     int steps = 1;       ///< of RK4
 

@@ -48,9 +48,8 @@ int longest_side(const Vec3d& size)
     return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 }
 
-std::pair<Box3d, Box3d> halves(const Box3d& box)
+std::pair<Box3d, Box3d> halves(const Box3d& box, int k)
 {
-    const int k = longest_side(box.size());
     Box3d low = box, high = box;
     low.max[k] = high.min[k] = 0.5 * (box.min[k] + box.max[k]);
     return {low, high};
@@ -148,18 +147,27 @@ private:
         return known.value.lo <= settings_.flat && known.value.hi >= -settings_.flat;
     }
 
+    /// A box's sides, the upright one counted by how much more the field may change along it than across: where it climbs in steps, boxes are flat.
+    static Vec3d weigh(const Vec3d& size, const LocalField& known)
+    {
+        const double across = std::max(known.gradient[0].magnitude(), known.gradient[1].magnitude()), up = known.gradient[2].magnitude();
+        const double ratio = across > 0.0 && std::isfinite(up) ? up / across : 1.0;
+        return {size.x, size.y, size.z * std::clamp(ratio, 1.0, 64.0)};
+    }
+
     void divide(const Box3d& box, Tile& tile) const
     {
         LocalField known;
         if (tile.patches.size() > settings_.most_patches || !may_hold(box, known)) return;
         const Vec3d size = box.size();
         const Vec3d from = box.center() - settings_.focus;
-        const bool small = size[longest_side(size)] <= settings_.size + settings_.growth * std::hypot(from.x, from.y);
+        const Vec3d weighed = weigh(size, known);
+        const bool small = weighed[longest_side(weighed)] <= settings_.size + settings_.growth * std::hypot(from.x, from.y);
         double least = 0.0;
         for (const Interval& g : known.gradient) least += g.contains(0.0) ? 0.0 : std::min(g.lo * g.lo, g.hi * g.hi);
         const bool nearly_linear = std::max({known.curvature, known.mixed, known.upright}) * 0.5 * size.length() * 16.0 < std::sqrt(least);
         if (!small && !nearly_linear) {
-            const auto [low, high] = halves(box);
+            const auto [low, high] = halves(box, longest_side(weighed));
             divide(low, tile);
             divide(high, tile);
             return;
@@ -170,7 +178,7 @@ private:
         } else {
             shrink(box, 3, hull);
         }
-        if (hull.isEmpty()) return;
+        if (hull.isEmpty() || (field_.batched() && !settings_.moving && !tighten(hull, known))) return;
         // Wide enough that the coarse numbers of a patch do not let its bounds end before its box does.
         const Vec3d pad(1e-6 * hull.size().length() + 8.0 * rounding_ + 0x1p-22 * (hull.max - tile.corner).length());
         hull = Box3d(hull.min - pad, hull.max + pad);
@@ -209,6 +217,44 @@ private:
         return out;
     }
 
+    /// Shrinks a box to the hull of those of its 64 parts that may hold a zero, again as long as that takes a fifth away. Over a part the field lies
+    /// within sum |F_kk| h_k^2 / 8 of what its corners interpolate (trilinear interpolation, axis by axis), so within that of the corners' hull.
+    /// False if nothing is left. What decides how many boxes a ray meets: ranges over whole boxes leave many that are empty.
+    bool tighten(Box3d& box, const LocalField& known) const
+    {
+        constexpr int n = 4, m = n + 1;
+        for (int round = 0; round < 3; ++round) {
+            const Vec3d part = box.size() / n;
+            const double error = settings_.flat + (known.curvature * (part.x * part.x + part.y * part.y) + known.upright * part.z * part.z) / 8.0;
+            double value[m * m * m + 15];
+            for (int first = 0; first < m * m * m; first += 16) {
+                Vec3d p[16];
+                for (int i = 0; i < 16; ++i) {
+                    const int k = std::min(first + i, m * m * m - 1);
+                    p[i] = box.min + Vec3d(part.x * (k % m), part.y * (k / m % m), part.z * (k / (m * m)));
+                }
+                field_.values(p, 0.0, value + first);
+            }
+            Box3d left;
+            for (int k = 0; k < n * n * n; ++k) {
+                const int x = k % n, y = k / n % n, z = k / (n * n);
+                double low = kInfinity, high = -kInfinity;
+                for (int c = 0; c < 8; ++c) {
+                    const double v = value[((z + (c >> 2)) * m + y + (c >> 1 & 1)) * m + x + (c & 1)];
+                    low = std::min(low, v), high = std::max(high, v);
+                }
+                if (low > error || high < -error) continue;
+                left.extendBy(box.min + Vec3d(part.x * x, part.y * y, part.z * z));
+                left.extendBy(box.min + Vec3d(part.x * (x + 1), part.y * (y + 1), part.z * (z + 1)));
+            }
+            if (left.isEmpty()) return false;
+            const Vec3d before = box.size(), after = left.size();
+            box = left;
+            if (after.x * after.y * after.z > 0.8 * before.x * before.y * before.z) break;
+        }
+        return true;
+    }
+
     void shrink(const Box3d& box, int levels, Box3d& hull) const
     {
         LocalField known;
@@ -217,7 +263,7 @@ private:
             hull.extendBy(box);
             return;
         }
-        const auto [low, high] = halves(box);
+        const auto [low, high] = halves(box, longest_side(box.size()));
         shrink(low, levels - 1, hull);
         shrink(high, levels - 1, hull);
     }

@@ -60,6 +60,9 @@ Noise3 fbm(const Vec3d& p, std::uint32_t seed, const Fractal& fractal);
 Noise2 ridged(const Vec2d& p, std::uint32_t seed, const Fractal& fractal);
 Noise3 ridged(const Vec3d& p, std::uint32_t seed, const Fractal& fractal);
 
+/// The gradient of the 2-D noise at a lattice point: the unit vector at the angle 2 pi hash / 2^32.
+Vec2d lattice_gradient(std::uint32_t ix, std::uint32_t iy, std::uint32_t seed);
+
 /// Bounds of the sums, from those of one octave: value * sum gain^k, slope * sum (gain lacunarity)^k.
 NoiseBound fbm_bound(const NoiseBound& octave, const Fractal& fractal);
 NoiseBound ridged_bound(const NoiseBound& octave, const Fractal& fractal);

@@ -43,8 +43,8 @@ NoiseJet2 noise_jet(const Vec2d& p, std::uint32_t seed)
     NoiseJet2 n;
     for (std::uint32_t j = 0; j < 2; ++j) {
         for (std::uint32_t i = 0; i < 2; ++i) {
-            const double angle = 2.0 * std::numbers::pi * (lattice_hash(x.index + i, y.index + j, seed) * 0x1p-32);
-            const double gx = std::cos(angle), gy = std::sin(angle), l = gx * (x.rest - i) + gy * (y.rest - j);
+            const Vec2d g = lattice_gradient(x.index + i, y.index + j, seed);
+            const double gx = g.x, gy = g.y, l = gx * (x.rest - i) + gy * (y.rest - j);
             const double w = x.w[i] * y.w[j], wx = x.d[i] * y.w[j], wy = x.w[i] * y.d[j];
             n.value += w * l;
             n.gradient += Vec2d(wx * l + w * gx, wy * l + w * gy);
