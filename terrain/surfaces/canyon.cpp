@@ -237,7 +237,7 @@ Shape make_canyon(const Values& values, const BuildContext& context)
     PatchSettings settings;
     settings.domain = Box3d(Vec3d(centre.x - extent, centre.y - extent, shape.origin.z - 1e-3 * shape.height),
                             Vec3d(centre.x + extent, centre.y + extent, shape.origin.z + shape.height * 1.001));
-    settings.size = values.has("patch") ? values.number("patch") : shape.cell / 6.0;
+    settings.size = values.has("patch") ? values.number("patch") : shape.cell / 10.0;
     settings.focus = centre;
     settings.growth = values.number("growth");
     read_search(values, settings);
@@ -304,7 +304,7 @@ CatalogueEntry canyon_row()
         metres("extent", "Half the side of the square that is traced.", 1000.0),
         {.name = "patch",
          .type = ParameterType::length,
-         .doc = "Side of the boxes that rays are tested against, near the centre; by default a sixth of the cell.",
+         .doc = "Side of the boxes that rays are tested against, near the centre; by default a tenth of the cell.",
          .unit = "m",
          .minimum = 0,
          .above_minimum = true},

@@ -155,7 +155,7 @@ Meshed meshed(const Surface& surface, double spacing)
     m.facts["triangles"] = report.triangles;
     m.facts["mean_error_metres"] = report.mean_error;
     m.facts["maximum_error_metres"] = report.maximum_error;
-    m.shapes.push_back(std::move(mesh));
+    m.shapes.emplace_back(std::move(mesh));
     start = std::chrono::steady_clock::now();
     m.tracer = make_embree_tracer(m.shapes);
     m.facts["build_seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
