@@ -5,6 +5,9 @@
 
 #include "renderer/geometry/tracer.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "renderer/geometry/instance.h"
 
 namespace hoodoo
@@ -44,6 +47,20 @@ TraceHit Tracer::intersect(const Ray& ray) const
 bool Tracer::occluded(const Ray& ray) const
 {
     return passes_gate(ray) && find_any(ray);
+}
+
+std::vector<TraceHit> Tracer::crossings(Ray ray, std::size_t most) const
+{
+    std::vector<TraceHit> found;
+    ray.crossing = Crossing::any;
+    while (found.size() < most && ray.t_min < ray.t_max) {
+        const TraceHit hit = intersect(ray);
+        if (!hit.valid) break;
+        found.push_back(hit);
+        // Past where this crossing may truly lie, and by at least one representable distance.
+        ray.t_min = std::max(hit.t + 2.0 * interact(ray, hit).position_error, std::nextafter(hit.t, kInfinity));
+    }
+    return found;
 }
 
 Interaction Tracer::interact(const Ray& ray, const TraceHit& hit) const

@@ -207,6 +207,23 @@ py::array_t<bool> occluded(const SceneHandle& self, Doubles origins, Doubles dir
     return result;
 }
 
+py::list crossings(const SceneHandle& self, Doubles origins, Doubles directions, double t_min, double t_max)
+{
+    const Rays rays(std::move(origins), std::move(directions), t_min, t_max);
+    std::vector<std::vector<TraceHit>> all(rays.count);
+    const Tracer& tracer = self.scene().tracer();
+    for_chunks(rays.count, kRaysAtOnce / 8, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) all[i] = tracer.crossings(rays[i]);
+    });
+    py::list result;
+    for (const std::vector<TraceHit>& hits : all) {
+        py::array_t<double> t(static_cast<py::ssize_t>(hits.size()));
+        std::transform(hits.begin(), hits.end(), t.mutable_data(), [](const TraceHit& hit) { return hit.t; });
+        result.append(t);
+    }
+    return result;
+}
+
 // -- the rest of a scene ---------------------------------------------------------------------------------------------
 
 std::vector<std::string> object_names(const SceneHandle& self)
@@ -271,6 +288,10 @@ void add_scene(py::module_& module)
              "nan on a miss. "
              "object: int64 (n,), index into Scene.objects, -1 on a miss. cost: int64 (n,), field evaluations spent.\nA ray that is not finite is a "
              "miss. Raises hoodoo.Error: wrong shapes.")
+        .def("crossings", &crossings, py::arg("origins"), py::arg("directions"), py::arg("t_min") = 0.0, py::arg("t_max") = kInfinity,
+             "crossings(origins, directions, t_min=0, t_max=inf) -> list of n arrays\n\nDistances in metres, increasing, of every crossing of each "
+             "ray "
+             "in the open interval (t_min, t_max): ways in and ways out (Gamito and Musgrave 2001, section 3.1).")
         .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_min") = 0.0, py::arg("t_max") = kInfinity,
              "occluded(origins, directions, t_min=0, t_max=inf) -> bool (n,)\n\nWhether anything lies in the open interval (t_min, t_max), metres "
              "along each ray.")

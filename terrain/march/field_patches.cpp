@@ -354,28 +354,4 @@ std::unique_ptr<FieldIntersector> make_field_patches(const MarchedField& field, 
     return std::make_unique<FieldPatches>(field, settings);
 }
 
-std::vector<double> all_crossings(const FieldIntersector& patches, Ray ray)
-{
-    std::vector<double> found;
-    ray.crossing = Crossing::any;
-    for (std::uint32_t tile = 0; tile < patches.tile_count(); ++tile) {
-        for (std::uint32_t i = 0; i < patches.patch_count(tile); ++i) {
-            Ray rest = ray;
-            Hit hit;
-            hit.t = ray.t_max;
-            while (patches.intersect({tile, i}, rest, hit)) {
-                found.push_back(hit.t);
-                rest.t_min = hit.t + 1e-6;
-                hit.t = ray.t_max;
-                if (!(rest.t_min < rest.t_max)) break;
-            }
-        }
-    }
-    std::sort(found.begin(), found.end());
-    // Neighbouring boxes overlap by a hair: what they both found is one crossing.
-    const auto last = std::unique(found.begin(), found.end(), [](double s, double t) { return t - s < 1e-6; });
-    found.erase(last, found.end());
-    return found;
-}
-
 }  // namespace hoodoo

@@ -66,7 +66,4 @@ public:
 /// as in the paper: the area test decides alone.
 std::unique_ptr<FieldIntersector> make_field_patches(const MarchedField& field, const PatchSettings& settings);
 
-/// All crossings of a ray, by distance; every other one enters.
-std::vector<double> all_crossings(const FieldIntersector& patches, Ray ray);
-
 }  // namespace hoodoo

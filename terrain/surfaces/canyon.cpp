@@ -189,7 +189,9 @@ private:
         at.shading_normal = at.geometric_normal;
         at.texture_point = at.position;
         const Vec3d from = at.position - field_.shape().origin;
-        at.uv = Vec2d(from.x, from.y) * (1.0 / field_.shape().cell);
+        // Of the undeformed plan (section 3.2): a map sticks to the rock however far its walls have moved.
+        const Vec3d rest = (part == 0 ? field_.wall().inverse(at.position) : at.position) - field_.shape().origin;
+        at.uv = Vec2d(rest.x, rest.y) * (1.0 / field_.shape().cell);
         if (part > 0) {
             at.materials.add(static_cast<std::uint8_t>(part), 1.0f);
             return;

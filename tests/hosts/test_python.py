@@ -420,3 +420,33 @@ def test_every_row_with_a_field_has_values_gradients_and_intervals():
         assert field.gradient([[0.3, 0.2, 0.1]]).shape == (1, 3)
     with pytest.raises(hoodoo.Error, match="low <= high"):
         field.interval([1, 0, 0], [0, 1, 1])
+
+
+def test_all_crossings_of_a_ray_come_in_order():
+    # A cube of layers, 4 m wide: a ray through its middle goes in and out, one beside it does neither. Kernel of one column: walls stand where the cut
+    # is, half a kernel further where the field says; in and out are 4 m apart plus twice that.
+    text = """
+version = 1
+[camera]
+eye = [2, -20, 2]
+target = [2, 0, 2]
+hfov_deg = 40
+[terrain.block]
+type = "convolution"
+columns = [8, 8]
+cell = 0.5
+sigma_cells = 1.0
+border = "cut"
+[[terrain.block.layer]]
+shape = "flat"
+material = "bedrock"
+top = 4.0
+"""
+    scene = hoodoo.load(text)
+    through, beside = scene.crossings([[2.1, -20, 2.0], [9.0, -20, 2.0]], [[0, 1, 0], [0, 1, 0]])
+    assert len(beside) == 0
+    assert len(through) == 2
+    assert through[0] < through[1]
+    first = scene.intersect([[2.1, -20, 2.0]], [[0, 1, 0]])["t"][0]
+    assert through[0] == first
+    assert math.isclose(through[0] - 20.0, 24.0 - through[1], abs_tol=1e-6)   # the block is its own mirror image

@@ -1,6 +1,8 @@
 // Certified marching of warped surfaces for every kind of flow over planes and layers; what the paper's own search misses; scenes that cannot be.
+#include "renderer/geometry/tracer.h"
 #include "renderer/scene/read.h"
 #include "renderer/scene/scene.h"
+#include "renderer/scene/toml_text.h"
 #include "terrain/march/area_march.h"
 #include "terrain/march/first_crossing.h"
 #include "tests/counts.h"
@@ -51,6 +53,84 @@ TEST(Warped, no_crossing_is_missed_whatever_the_flow_and_the_base)
             EXPECT_TRUE(normals_are_gradients(built.surface(), rays).holds()) << base << ", " << flow;
         }
     }
+}
+
+TEST(Warped, at_any_time_of_the_shutter_is_the_still_surface_of_that_intensity)
+{
+    // The intensity grows from 0.2 to 0.6 while the shutter is open: at the time s it is 0.2 + 0.4 s. Vertices joined by straight lines would be off
+    // by the sagitta of a turn of 0.4 x 0.6 radians at some metres: centimetres.
+    const std::string flow = flow_texts().front();
+    const auto at = [&](const std::string& intensity) { return build_row(warped("convolution_cut_sphere", intensity + "\n" + flow)); };
+    const BuiltRow moving = at("intensity = 0.2\nintensity_close = 0.6");
+    for (const double time : {0.0, 0.3, 1.0}) {
+        const BuiltRow still = at("intensity = " + std::to_string(0.2 + 0.4 * time));
+        int hits = 0;
+        for (Ray ray : law_rays(still.surface(), 5, 400)) {
+            const double expected = nearest_hit(still.surface(), ray).t;
+            ray.time = time;
+            const double t = nearest_hit(moving.surface(), ray).t;
+            if (std::isinf(expected) && std::isinf(t)) continue;
+            EXPECT_NEAR(t, expected, 1e-5) << "time " << time;
+            ++hits;
+        }
+        EXPECT_GT(hits, 100);
+    }
+}
+
+/// A picture without noise: how bright the ground is in each pixel, below 0 where there is none.
+std::vector<double> still_picture(const Vec3d& eye, int width, int height)
+{
+    const double spread = 0.8 / width;
+    const CatalogueEntry* row = find_in_catalogue("canyon");
+    SceneBudget budget;
+    std::vector<Problem> problems;
+    const Values values =
+        check(row->schema,
+              parse_toml("cell = 10.0\nheight = 10.0\noctaves = 7\nextent = 60.0\ncentre = [0, 0, 5]\npatch = 3.0\n", "<test>", budget, problems),
+              problems);
+    BuildContext context;
+    context.seed = 3;
+    context.view = Viewpoint{eye, spread};
+    std::vector<Shape> shapes;
+    shapes.push_back(row->make(values, context));
+    const auto tracer = make_embree_tracer(shapes);
+    const Vec3d sun = Vec3d(-0.6, 0.3, 0.7).normalized();
+    std::vector<double> picture;
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            Ray ray;
+            ray.origin = eye;
+            ray.direction = Vec3d(1.0, ((x + 0.5) / width - 0.5) * 0.8, ((height * 0.35 - y - 0.5) / width) * 0.8).normalized();
+            const TraceHit hit = tracer->intersect(ray);
+            picture.push_back(hit.valid ? std::max(0.0, tracer->interact(ray, hit).geometric_normal.dot(sun)) + 0.2 : -1.0);
+        }
+    }
+    return picture;
+}
+
+TEST(Canyon, neither_pops_nor_flickers_while_the_eye_draws_near)
+{
+    const int width = 96, height = 48, frames = count(5, 48);
+    std::vector<double> before;
+    std::vector<double> means;
+    for (int frame = 0; frame < frames; ++frame) {
+        // A thousandth of the distance to what is seen each frame: nothing moves by a pixel of itself.
+        const std::vector<double> picture = still_picture(Vec3d(-58.0 + 0.05 * frame, 0.3, 14.0), width, height);
+        double sum = 0.0;
+        for (const double p : picture) sum += std::max(p, 0.0);
+        means.push_back(sum / static_cast<double>(picture.size()));
+        const auto top = [&](const std::vector<double>& of, int x) {
+            int y = 0;
+            while (y < height && of[static_cast<std::size_t>(y * width + x)] < 0.0) ++y;
+            return y;
+        };
+        for (int x = 0; frame > 0 && x < width; ++x)
+            EXPECT_LE(std::abs(top(picture, x) - top(before, x)), 1) << "frame " << frame << ", column " << x;
+        before = picture;
+    }
+    EXPECT_GT(means.front(), 0.1);
+    for (std::size_t k = 2; k < means.size(); ++k)
+        EXPECT_LT(std::abs(means[k] - 2.0 * means[k - 1] + means[k - 2]), 0.005 * means[k]) << "frame " << k;
 }
 
 /// A straight ray that the inverse warp bends into z(s) = 0.3 sin(2 pi s) + lift over a plane.
