@@ -54,11 +54,13 @@ std::vector<TraceHit> Tracer::crossings(Ray ray, std::size_t most) const
     std::vector<TraceHit> found;
     ray.crossing = Crossing::any;
     while (found.size() < most && ray.t_min < ray.t_max) {
-        const TraceHit hit = intersect(ray);
+        TraceHit hit = intersect(ray);
         if (!hit.valid) break;
+        const Interaction at = interact(ray, hit);
+        hit.t = at.t;
         found.push_back(hit);
         // Past where this crossing may truly lie, and by at least one representable distance.
-        ray.t_min = std::max(hit.t + 2.0 * interact(ray, hit).position_error, std::nextafter(hit.t, kInfinity));
+        ray.t_min = std::max(hit.t + 2.0 * at.position_error, std::nextafter(hit.t, kInfinity));
     }
     return found;
 }

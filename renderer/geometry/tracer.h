@@ -35,8 +35,8 @@ public:
     TraceHit intersect(const Ray& ray) const;
     bool occluded(const Ray& ray) const;
     Interaction interact(const Ray& ray, const TraceHit& hit) const;
-    /// Every crossing of the ray in its interval, by distance, ways in and ways out alike (ray.crossing does not count); at most `most`. Two of one
-    /// object that are nearer to each other than the surface knows its place count as one.
+    /// Every crossing of the ray in its interval, by distance, ways in and ways out alike (ray.crossing does not count); at most `most`. Distances
+    /// are those of interact(). Two of one object that are nearer to each other than the surface knows its place count as one.
     std::vector<TraceHit> crossings(Ray ray, std::size_t most = 100000) const;
 
     /// Follows a Surface that was rebuilt in place: `tiles` are those whose patches changed. Costs what they hold and a little for every other tile.
