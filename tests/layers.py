@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Fails on an include that points up, and on a paper key in a comment that references.bib does not have.
 
-The layers (design): hosts -> render -> {transport, film, compare, scene}; transport -> {scene, light, shading, geometry};
-scene -> {geometry, light, shading, terrain}; {geometry, shading, light} -> terrain; film -> terrain/math.
+The layers (design): hosts -> render -> {transport, film, compare, scene}; transport -> {scene, light, media, shading, geometry};
+scene -> {geometry, light, media, shading, terrain}; {geometry, shading, light, media} -> terrain; film -> terrain/math.
 Inside terrain: catalogue -> surfaces -> {march, edit, rocks, stack} -> fields -> field.h -> math; analysis stands beside stack.
 """
 import pathlib
@@ -28,12 +28,14 @@ MAY_INCLUDE = {
     "renderer/geometry": TERRAIN_BASE,
     "renderer/shading": TERRAIN_BASE | {"terrain/io/raster.h"},
     "renderer/light": TERRAIN_BASE,
+    "renderer/media": TERRAIN_BASE,
     "renderer/film": PARAMETERS | {"terrain/io/atomic_file.h"},
     "renderer/compare": PARAMETERS | {"renderer/film"},
-    "renderer/scene": TERRAIN_PUBLIC | {"renderer/geometry", "renderer/light", "renderer/shading"},
-    "renderer/transport": TERRAIN_BASE | {"renderer/scene", "renderer/geometry", "renderer/light", "renderer/shading", "renderer/film"},
-    "renderer/render": TERRAIN_PUBLIC | {"renderer/scene", "renderer/geometry", "renderer/light", "renderer/shading", "renderer/transport",
-                                         "renderer/film", "renderer/compare", "terrain/io/polygonise.h", "terrain/io/mesh_writer.h", "terrain/io/grid_file.h", "terrain/io/drawing.h",
+    "renderer/scene": TERRAIN_PUBLIC | {"renderer/geometry", "renderer/light", "renderer/media", "renderer/shading"},
+    "renderer/transport": TERRAIN_BASE | {"renderer/scene", "renderer/geometry", "renderer/light", "renderer/media", "renderer/shading",
+                                          "renderer/film"},
+    "renderer/render": TERRAIN_PUBLIC | {"renderer/scene", "renderer/geometry", "renderer/light", "renderer/media", "renderer/shading",
+                                         "renderer/transport", "renderer/film", "renderer/compare", "terrain/io/polygonise.h", "terrain/io/mesh_writer.h", "terrain/io/grid_file.h", "terrain/io/drawing.h",
                                          "terrain/io/height_image.h"},
 }
 

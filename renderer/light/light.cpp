@@ -6,6 +6,7 @@
 
 #include "renderer/light/light.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hoodoo
@@ -153,7 +154,8 @@ std::span<const Schema> light_schemas()
     return schemas;
 }
 
-std::vector<Light> make_lights(const std::string& type, const Values& values, const std::function<Vec3f(const ColorValue&)>& to_rendering)
+std::vector<Light> make_lights(const std::string& type, const Values& values, const std::function<Vec3f(const ColorValue&)>& to_rendering,
+                               double haze)
 {
     const auto color = [&](const ColorValue& value) {
         if (to_rendering) return to_rendering(value);
@@ -165,6 +167,7 @@ std::vector<Light> make_lights(const std::string& type, const Values& values, co
     if (type == "constant") return {ConstantSky(color(values.color("radiance")))};
     const Vec3d sun = compass_direction(values.number("elevation"), values.number("azimuth"));
     AtmosphereParameters air = air_of(values);
+    air.aerosol = std::max(0.0, air.aerosol - haze);
     if (type == "sun") {
         if (values.has("irradiance")) return {make_sun(values.text("shape"), values, color(values.color("irradiance")))};
         return {make_sun(values.text("shape"), values, from_acescg(to_acescg(Atmosphere(air, sun.z).sun_irradiance())))};

@@ -90,8 +90,10 @@ using Light = std::variant<DeltaSun, DiscSun, ConstantSky, ClearSky>;
 /// One schema a kind; its name is the `type` of a [light.NAME] table.
 std::span<const Schema> light_schemas();
 
-/// The lights that one [light.NAME] table of kind `type` stands for (a sky brings its sun). Throws Error (scene) at the value's position.
-std::vector<Light> make_lights(const std::string& type, const Values& values, const std::function<Vec3f(const ColorValue&)>& to_rendering);
+/// The lights that one [light.NAME] table of kind `type` stands for (a sky brings its sun). `haze`: vertical optical depth of aerosol that the scene
+/// has as a medium of its own, and that the sky's air therefore lacks. Throws Error (scene) at the value's position.
+std::vector<Light> make_lights(const std::string& type, const Values& values, const std::function<Vec3f(const ColorValue&)>& to_rendering,
+                               double haze = 0.0);
 
 /// Unit vector towards `elevation` above the horizon and `azimuth` from north (+y) over east (+x), radians.
 Vec3d compass_direction(double elevation, double azimuth);

@@ -30,7 +30,7 @@ public:
     Camera(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double fov, bool horizontal);
 
     /// The ray through `film` (pixels from the top left corner of a picture of `size` pixels, y downwards) at `time` in [0, 1] of the shutter.
-    /// Its footprint is the cone of one pixel. Crossing::entering: eyes are in air (Scene's constructor checks it).
+    /// Its footprint is the cone of one pixel. Crossing::entering, for an eye in air; the Scene knows where the eye is.
     Ray ray(const Vec2d& film, const Vec2i& size, double time) const;
 
     /// Where a point is seen at `time`: on the film, in pixels, as ray() counts them. Not finite unless it lies in front of the eye.

@@ -24,7 +24,7 @@ struct SceneOverrides {
 /// A named table [KIND.NAME] with a `type`.
 struct DescribedNode {
     std::string name;
-    std::string type;  ///< catalogue row of a terrain, kind of a light; "" where a section has no types
+    std::string type;  ///< catalogue row of a terrain, kind of a light or medium; "" where a section has no types
     Values values;
     std::uint64_t seed = 0;  ///< hashed from the scene's seed and the name, or the node's own `seed`
     Source where;
@@ -37,8 +37,8 @@ struct Description {
     std::uint64_t seed = 0;  ///< scene seed from `seed`, `--seed`
     std::int64_t frame = 0;
     double time = 0.0;  ///< seconds: the value of `t`
-    Values camera, film, render;
-    std::vector<DescribedNode> terrains, materials, lights;
+    Values camera, film, render, haze;
+    std::vector<DescribedNode> terrains, materials, media, lights;
     std::function<std::string(const std::string& path, const Source& where)> resolve;  ///< confines files to the declared roots
 };
 

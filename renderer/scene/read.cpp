@@ -137,10 +137,14 @@ private:
         return node;
     }
 
-    Values& values_of(const std::string& section) { return section == "camera" ? scene_.camera : section == "film" ? scene_.film : scene_.render; }
+    Values& values_of(const std::string& section)
+    {
+        return section == "camera" ? scene_.camera : section == "film" ? scene_.film : section == "haze" ? scene_.haze : scene_.render;
+    }
 
     std::vector<DescribedNode>& nodes_of(const std::string& section)
     {
+        if (section == "medium") return scene_.media;
         return section == "terrain" ? scene_.terrains : section == "material" ? scene_.materials : scene_.lights;
     }
 

@@ -6,8 +6,9 @@
 #include "renderer/scene/scene.h"
 
 #include "renderer/geometry/instance.h"
-#include "renderer/shading/mask.h"
+#include "renderer/scene/media.h"
 #include "renderer/scene/terrains.h"
+#include "renderer/shading/mask.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,9 +18,21 @@ namespace hoodoo
 namespace
 {
 
+constexpr int kProbes = 26;  ///< directions in which the eye looks for what it is in
+
+std::vector<DensityCarrier> carriers(const SceneParts& parts)
+{
+    std::vector<DensityCarrier> all;
+    for (std::size_t i = 0; i < parts.shapes.size(); ++i) {
+        const auto* surface = std::get_if<std::unique_ptr<Surface>>(&parts.shapes[i]);
+        all.push_back({parts.objects[i].name, surface ? surface->get() : nullptr});
+    }
+    return all;
+}
+
 SceneParts make_parts(const Description& description, const SceneOptions& options)
 {
-    SceneParts parts{Camera(description.camera, {description.time, description.film.number("fps")}), {}, {}, {}, {}};
+    SceneParts parts{Camera(description.camera, {description.time, description.film.number("fps")}), {}, {}, {}, {}, {}, {}};
     BuiltTerrains terrains = build_terrains(description, options, parts.camera);
     parts.objects = std::move(terrains.objects);
     parts.shapes = std::move(terrains.shapes);
@@ -32,7 +45,10 @@ SceneParts make_parts(const Description& description, const SceneOptions& option
     for (const DescribedNode& node : description.materials)
         parts.looks[node.name] = with_masks(plain(node.name), node.values, description.resolve, plain);
     for (const DescribedNode& node : description.lights)
-        for (Light& light : make_lights(node.type, node.values, options.to_rendering)) parts.lights.push_back(std::move(light));
+        for (Light& light : make_lights(node.type, node.values, options.to_rendering, haze_depth(description.haze)))
+            parts.lights.push_back(std::move(light));
+    parts.interiors = make_interiors(description, options.to_rendering);
+    parts.media = make_media(description, carriers(parts), options.to_rendering);
     return parts;
 }
 
@@ -58,16 +74,20 @@ void extend(Box3d& box, const Box3d& by)
 Scene::Scene(const Description& description, const SceneOptions& options) : Scene(make_parts(description, options), options) {}
 
 Scene::Scene(SceneParts parts, const SceneOptions& options)
-    : camera_(parts.camera), lights_(std::move(parts.lights)), shapes_(std::move(parts.shapes)), objects_(std::move(parts.objects))
+    : camera_(parts.camera),
+      lights_(std::move(parts.lights)),
+      shapes_(std::move(parts.shapes)),
+      objects_(std::move(parts.objects)),
+      media_(std::move(parts.media))
 {
-    name_materials(std::move(parts.looks), options);
+    name_materials(parts, options);
     describe_objects();
-    check_camera();
     if (options.progress) options.progress(0.0, "acceleration structure");
     tracer_ = options.brute_force ? make_brute_force_tracer(shapes_) : make_embree_tracer(shapes_);
+    find_eye();
 }
 
-void Scene::name_materials(std::map<std::string, std::unique_ptr<Look>> looks, const SceneOptions& options)
+void Scene::name_materials(SceneParts& parts, const SceneOptions& options)
 {
     for (std::size_t i = 0; i < shapes_.size(); ++i) {
         for (const std::string& name : materials_of(shapes_[i])) {
@@ -75,10 +95,17 @@ void Scene::name_materials(std::map<std::string, std::unique_ptr<Look>> looks, c
             objects_[i].materials.push_back(static_cast<std::uint32_t>(found - material_names_.begin()));
             if (found != material_names_.end()) continue;
             material_names_.push_back(name);
-            auto look = looks.find(name);
-            looks_.push_back(look != looks.end() ? std::move(look->second) : default_look(name, options.to_rendering));
+            const auto look = parts.looks.find(name);
+            const bool described = look != parts.looks.end();
+            looks_.push_back(described ? std::move(look->second) : default_look(name, options.to_rendering));
+            const auto body = parts.interiors.find(name);
+            if (body != parts.interiors.end())
+                interiors_.emplace_back(body->second);
+            else
+                interiors_.push_back(described ? std::nullopt : default_interior(name, options.to_rendering));
         }
     }
+    plain_ = media_.empty() && std::none_of(interiors_.begin(), interiors_.end(), [](const auto& body) { return body.has_value(); });
 }
 
 void Scene::describe_objects()
@@ -107,15 +134,47 @@ void Scene::describe_objects()
     }
 }
 
-/// Camera rays look for entries into matter: from inside they would see through it.
-void Scene::check_camera() const
+void Scene::find_eye()
 {
-    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    for (int end = 0; end < 2; ++end) around_eye_[static_cast<std::size_t>(end)] = around(camera_.eye(end), end);
+}
+
+/// What the first crossing in some direction says: the side from which the surface of a body is met tells what the eye is in. A ray that enters
+/// opaque matter says nothing, one that leaves it says that the eye cannot be there: it would see through the surface.
+const Interior* Scene::around(const Vec3d& eye, double time) const
+{
+    const SceneObject* holder = nullptr;
+    for (std::size_t i = 0; i < shapes_.size() && !holder; ++i) {
         const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shapes_[i]);
-        if (surface && ((*surface)->contains(camera_.eye(0.0)) || (*surface)->contains(camera_.eye(1.0))))
-            throw Error(ErrorKind::scene,
-                        Problem{camera_.where(), "the camera stands inside the terrain \"" + objects_[i].name + "\"", "an eye in air", {}, {}});
+        if (surface && (*surface)->contains(eye)) holder = &objects_[i];
     }
+    const bool bodies = std::any_of(interiors_.begin(), interiors_.end(), [](const auto& body) { return body.has_value(); });
+    for (int k = 0; bodies && k < kProbes; ++k) {
+        // Up first, then a spiral down the sphere.
+        const double z = 1.0 - 2.0 * k / kProbes, r = std::sqrt(std::max(0.0, 1.0 - z * z)), angle = 2.4 * k;
+        Ray ray;
+        ray.origin = eye;
+        ray.direction = Vec3d(r * std::cos(angle), r * std::sin(angle), z);
+        ray.time = time;
+        const TraceHit hit = tracer_->intersect(ray);
+        if (!hit.valid) continue;
+        const Interaction at = tracer_->interact(ray, hit);
+        const bool leaves = at.geometric_normal.dot(ray.direction) > 0.0;
+        if (const Interior* body = interior(hit.object, at)) return leaves ? body : nullptr;
+        if (leaves && holder) break;
+    }
+    if (holder)
+        throw Error(ErrorKind::scene,
+                    Problem{camera_.where(), "the camera stands inside the terrain \"" + holder->name + "\"", "an eye in air or water", {}, {}});
+    return nullptr;
+}
+
+const Interior* Scene::interior(std::uint32_t object, const Interaction& at) const
+{
+    if (at.materials.count != 1) return nullptr;
+    const std::vector<std::uint32_t>& names = objects_[object].materials;
+    const std::optional<Interior>& body = interiors_[names[std::min<std::size_t>(at.materials.index[0], names.size() - 1)]];
+    return body ? &*body : nullptr;
 }
 
 Appearance Scene::appearance(std::uint32_t object, const Interaction& at, double footprint) const

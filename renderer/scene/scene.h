@@ -3,13 +3,16 @@
 
 #include "renderer/geometry/tracer.h"
 #include "renderer/light/light.h"
+#include "renderer/media/media.h"
 #include "renderer/scene/camera.h"
 #include "renderer/scene/description.h"
 #include "renderer/shading/look.h"
 
+#include <array>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +42,8 @@ struct SceneParts {
     std::vector<SceneObject> objects;  ///< name and type; the rest is filled in
     std::vector<Shape> shapes;         ///< one an object
     std::map<std::string, std::unique_ptr<Look>> looks;
+    std::map<std::string, Interior> interiors;  ///< of materials that light passes; one without look that is called water has clear water
+    Media media;
 };
 
 /// Thread-safe.
@@ -59,13 +64,25 @@ public:
     /// Albedo, roughness, normal and coat at an interaction: the materials blended by their visible shares.
     Appearance appearance(std::uint32_t object, const Interaction& at, double footprint) const;
 
+    /// What lies under the surface there, if light passes it; nullptr where it does not, and where several materials are seen at once.
+    const Interior* interior(std::uint32_t object, const Interaction& at) const;
+
+    /// What the camera's eye is in at a time in [0, 1] of the shutter, to the nearer end of it; nullptr: air.
+    const Interior* around_eye(double time) const { return around_eye_[time < 0.5 ? 0 : 1]; }
+
+    const Media& media() const { return media_; }
+
+    /// Whether there is nothing but air without haze, and surfaces that no light passes.
+    bool is_plain() const { return plain_; }
+
     /// Union of the objects' bounds, metres; a side that is infinite does not count. Empty without objects.
     const Box3d& bounds() const { return bounds_; }
 
 private:
-    void name_materials(std::map<std::string, std::unique_ptr<Look>> looks, const SceneOptions& options);
+    void name_materials(SceneParts& parts, const SceneOptions& options);
     void describe_objects();
-    void check_camera() const;
+    void find_eye();
+    const Interior* around(const Vec3d& eye, double time) const;
 
     Camera camera_;
     std::vector<Light> lights_;
@@ -73,6 +90,10 @@ private:
     std::vector<SceneObject> objects_;
     std::vector<std::string> material_names_;
     std::vector<std::unique_ptr<Look>> looks_;
+    std::vector<std::optional<Interior>> interiors_;  ///< as looks_
+    Media media_;
+    bool plain_ = true;
+    std::array<const Interior*, 2> around_eye_{};
     std::unique_ptr<Tracer> tracer_;
     Box3d bounds_;
 };

@@ -4,7 +4,9 @@
 #include "renderer/scene/sections.h"
 
 #include "renderer/light/light.h"
+#include "renderer/media/haze.h"
 #include "renderer/scene/camera.h"
+#include "renderer/scene/media.h"
 #include "renderer/shading/look.h"
 #include "terrain/catalogue.h"
 
@@ -115,9 +117,19 @@ std::vector<Section> scene_sections()
         light.types.push_back(schema.name);
         light.schemas.push_back(&schema);
     }
-    return {{"camera", false, {}, {&camera_schema()}},    {"film", false, {}, {&film_schema()}},
-            {"render", false, {}, {&render_schema()}},    std::move(terrain),
-            {"material", true, {}, {&material_schema()}}, std::move(light)};
+    Section medium{.name = "medium", .named = true, .types = {}, .schemas = {}};
+    for (const Schema& schema : medium_schemas()) {
+        medium.types.push_back(schema.name);
+        medium.schemas.push_back(&schema);
+    }
+    return {{"camera", false, {}, {&camera_schema()}},
+            {"film", false, {}, {&film_schema()}},
+            {"render", false, {}, {&render_schema()}},
+            {"haze", false, {}, {&haze_schema()}},
+            std::move(terrain),
+            {"material", true, {}, {&material_schema()}},
+            std::move(medium),
+            std::move(light)};
 }
 
 std::string too_large(std::int64_t width, std::int64_t height, std::int64_t samples)

@@ -25,7 +25,7 @@ struct Section {
     std::vector<const Schema*> schemas;  ///< one for each type
 };
 
-/// camera, film, render, terrain, material, light.
+/// camera, film, render, haze, terrain, material, medium, light.
 std::vector<Section> scene_sections();
 
 constexpr std::int64_t max_side = 65536;         ///< pixels

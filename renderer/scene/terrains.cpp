@@ -36,6 +36,7 @@ public:
     bool closed() const override { return surface_->closed(); }
     SurfaceInfo info() const override { return surface_->info(); }
     const Field* field() const override { return surface_->field(); }
+    const Density* density() const override { return surface_->density(); }
 
 private:
     std::shared_ptr<const Surface> surface_;

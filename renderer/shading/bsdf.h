@@ -2,6 +2,7 @@
 #pragma once
 
 #include "renderer/shading/coat.h"
+#include "renderer/shading/dielectric.h"
 #include "renderer/shading/diffuse.h"
 
 #include <variant>
@@ -10,8 +11,8 @@ namespace hoodoo
 {
 
 /// Each member has evaluate(wo, wi) and sample(wo, u) with the contracts stated at Lambert. A sample of density infinity is a mirror's: evaluate()
-/// leaves it out. Room for microfacets and dielectrics.
-using Bsdf = std::variant<Lambert, RoughDiffuse, Coated>;
+/// leaves it out.
+using Bsdf = std::variant<Lambert, RoughDiffuse, Coated, Dielectric>;
 
 /// The model for an albedo, a roughness and a share of coat; what is coated is Lambert beneath. `shading` and `geometric` are unit normals in one
 /// hemisphere, `geometric` on the side of the viewer.

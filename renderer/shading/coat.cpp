@@ -3,7 +3,7 @@
 // The sum of the two is c F + (1 - c F) rho: albedo 1 loses nothing, for any two normals. A mirrored direction that a bent normal sends below the
 // surface is mirrored at the surface itself, which loses nothing either.
 // Deviations: light that enters the film is not weighted by 1 - F(wi), so the base is not reciprocal (a low sun lights the bed of a lake a little too
-// well); light reflected inside the film is part of the base's albedo. Stands for water until there is a dielectric with a medium behind it.
+// well); light reflected inside the film is part of the base's albedo. For wet ground and opaque water; water with a depth is a Dielectric.
 #include "renderer/shading/coat.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace hoodoo
 double fresnel_dielectric(double cosine, double eta)
 {
     const double c = std::clamp(cosine, 0.0, 1.0);
-    const double g = std::sqrt(std::max(0.0, eta * eta - 1.0 + c * c));  // eta times the cosine inside
+    const double g = std::sqrt(std::max(0.0, eta * eta - 1.0 + c * c));  // eta times the cosine beyond; 0 where reflection is total
     const double parallel = (eta * eta * c - g) / (eta * eta * c + g), across = (c - g) / (c + g);
     return 0.5 * (parallel * parallel + across * across);
 }

@@ -6,8 +6,8 @@
 namespace hoodoo
 {
 
-/// Unpolarised reflectance of a smooth boundary from air into a medium of refractive index `eta` > 1; `cosine` in [0, 1] with the normal, on the air
-/// side.
+/// Unpolarised reflectance of a smooth boundary; `eta`: refractive index beyond it over that on this side, `cosine` in [0, 1] with the normal on this
+/// side. 1 where reflection is total.
 double fresnel_dielectric(double cosine, double eta);
 
 /// Index of water in the middle of the visible spectrum at 20 degrees (Hale1973).

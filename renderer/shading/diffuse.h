@@ -39,6 +39,7 @@ struct BsdfSample {
     Vec3d direction{0.0};
     Vec3f weight{0.0f};  ///< value / pdf
     double pdf = 0.0;    ///< 0: no sample (the rounding of a direction on the horizon)
+    bool stray = false;  ///< spread, though of density infinity: no mirror image of what it meets
 };
 
 class Lambert

@@ -251,14 +251,26 @@ const Schema& material_schema()
              .doc = "Colour space of albedo_texture",
              .fallback = std::string("srgb"),
              .choices = kTextureSpaces},
+            {.name = "ior",
+             .type = ParameterType::number,
+             .doc = "Refractive index: light passes the surface, and the material fills a body. Default: 1.333 for water, unless it is given an "
+                    "albedo or a "
+                    "coat; else light does not pass",
+             .minimum = 1.0,
+             .maximum = 3.0},
+            {.name = "medium",
+             .type = ParameterType::text,
+             .doc = "What fills the body: clear, coastal or deep (water), or a [medium.NAME]. Default: clear for water, else nothing"},
             {.name = "roughness",
              .type = ParameterType::number,
-             .doc = "Of the rough diffuse model: standard deviation of unseen slopes; 0 is Lambert. Default: 0 for plain, 0.3 to 0.4 else",
+             .doc =
+                 "Standard deviation of unseen slopes: of the rough diffuse model, where 0 is Lambert; of a surface that light passes, where 0 is a "
+                 "mirror. Default: 0 for plain and water, 0.3 to 0.4 else",
              .minimum = 0.0,
              .maximum = 1.0},
             {.name = "coat",
              .type = ParameterType::number,
-             .doc = "Share of the surface under a smooth film of water that mirrors. Default: 1 for water, 0 else",
+             .doc = "Share of the surface under a smooth film of water that mirrors. Default: 1 for water with an albedo, 0 else",
              .minimum = 0.0,
              .maximum = 1.0},
             {.name = "roughness_texture", .type = ParameterType::path, .doc = "Image of the roughness, its first channel, numbers as they are"},

@@ -1,25 +1,28 @@
-// Unidirectional path tracing with next-event estimation, multiple importance sampling and Russian roulette (Kajiya1986, Veach1997).
+// Unidirectional path tracing with next-event estimation, multiple importance sampling and Russian roulette (Kajiya1986, Veach1997), through media.
 //
-// A path x0 (eye), x1, x2 ... gathers, with the throughput b_k = product of f cos / pdf up to x_k:
-//     b_k f(wo, wl) cos L(wl) V / p_l  w_l     from each light that is sampled, at every surface point: one direction wl, one shadow ray
+// A path x0 (eye), x1, x2 ... of points on surfaces and in media gathers, with the throughput b_k = product of f cos / pdf (in a medium: of the phase
+// function) and of the media's weights up to x_k:
+//     b_k f(wo, wl) cos L(wl) V / p_l  w_l     from each light that is sampled, at every point: one direction wl, one shadow ray
 //     b_(k+1) L(wi) w_b                        where the scattered ray wi meets no surface: lights are infinitely far away
 //   with the balance heuristic w_l = p_l / (p_l + p_b), w_b = p_b / (p_b + p_l). A delta light has w_l = 1 and is never met; a light that is not
 //   sampled, such as the constant sky, has w_b = 1: for it the scattered ray is the ideal sample and costs nothing. A light's p_l is that of the
 //   light alone, since every light is sampled at every point.
 // Roulette survives with probability q = min(1, largest channel of b) and divides by q, so a lossless path goes on for ever in a closed world;
-//   after kLossless events q is at most 0.95 as well, which keeps the mean. All rays spawn on the air side of the surface and look for entries into
-//   matter.
-// A mirror's sample has the density infinity: what it meets counts in full, as for a camera ray. Except the sun's disc seen by way of a mirror from a
-// matte
-//   point (a caustic): one sample in a thousand would carry all of it. It is left out, which takes the glitter that water throws on its banks.
-// Missing: media, dielectrics, caustics, lights at a finite distance.
+//   after kLossless events q is at most 0.95 as well, which keeps the mean. In air all rays spawn on the air side of the surface and look for entries
+//   into matter; in water they look for both sides. Radiance is basic radiance, L / n^2 (shading/dielectric.h).
+// A mirror's sample has the density infinity: what it meets counts in full, as for a camera ray. Except the sun's disc seen by way of a mirror or a
+//   boundary from a matte point (a caustic): one sample in a thousand would carry all of it. It is left out, but where a point within water sees it
+//   through a smooth surface (manifold.h). A picture's header says so.
+// The medium a path is in follows from the last boundary it crossed and starts at the eye; a boundary that it meets knows better and corrects it.
+// Missing: the caustics left out; lights at a finite distance; boundaries within boundaries (the inner one's medium alone counts).
 
 #include "renderer/transport/path.h"
 
-#include "renderer/shading/bsdf.h"
+#include "renderer/transport/direct.h"
 #include "renderer/transport/motion.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace hoodoo
@@ -29,87 +32,8 @@ namespace
 
 constexpr int kLossless = 1000;
 
-/// A matte surface scatters over the hemisphere: what the scattered ray looks up may be averaged over a sixteenth of it, a cone about half as wide as
-/// long.
-constexpr double kDiffuseSpread = 0.5;
-
-/// A surface point of a path, ready to scatter.
-struct Vertex {
-    Interaction at;
-    Appearance look;
-    Vec3d spawn;  ///< origin of rays that leave, proved to be outside
-    Vec3d wo;     ///< towards the previous point
-    double footprint;
-};
-
-Vertex make_vertex(const Scene& scene, const Ray& ray, const TraceHit& hit)
-{
-    Vertex v;
-    v.at = scene.tracer().interact(ray, hit);
-    v.wo = -ray.direction;
-    if (v.at.geometric_normal.dot(v.wo) < 0.0) {  // the back of an open mesh, lit like its front
-        v.at.geometric_normal = -v.at.geometric_normal;
-        v.at.shading_normal = -v.at.shading_normal;
-    }
-    v.footprint = ray.footprint(v.at.t);
-    v.look = scene.appearance(hit.object, v.at, v.footprint);
-    v.spawn = v.at.position + v.at.geometric_normal * v.at.spawn_offset;
-    return v;
-}
-
-Ray leave(const Vertex& v, const Vec3d& direction, double time, double spread = kDiffuseSpread)
-{
-    Ray ray;
-    ray.origin = v.spawn;
-    ray.direction = direction;
-    ray.time = time;
-    ray.footprint_width = v.footprint;
-    ray.footprint_spread = spread;
-    ray.crossing = Crossing::entering;
-    return ray;
-}
-
-/// What the sampled lights send through this vertex.
-Vec3f next_event(const Scene& scene, const Vertex& v, const Bsdf& bsdf, const Sampler& sampler, std::uint32_t set, double time)
-{
-    Vec3f sum(0.0f);
-    for (const Light& light : scene.lights()) {
-        const bool sampled = std::visit([](const auto& l) { return l.sampled; }, light);
-        if (!sampled) continue;
-        LightSample to;
-        if (const auto* sun = std::get_if<DeltaSun>(&light)) {
-            to = sun->sample({});
-        } else {
-            const auto u = sampler.get(set++);
-            to = std::visit([&](const auto& l) { return l.sample(Vec2d(u[0], u[1])); }, light);
-        }
-        const BsdfValue f = evaluate(bsdf, v.wo, to.direction);
-        if (f.pdf == 0.0 || (!to.delta && !(to.pdf > 0.0))) continue;
-        const double weight = to.delta ? 1.0 : 1.0 / (to.pdf + f.pdf);
-        const Vec3f part = f.value * to.value * static_cast<float>(weight);
-        if (part == Vec3f(0.0f) || scene.tracer().occluded(leave(v, to.direction, time))) continue;
-        sum += part;
-    }
-    return sum;
-}
-
-/// What a ray brings that leaves the world. `pdf`: of the scattering that made it; infinite for a camera ray and a mirror. `caustic`: by way of a
-/// mirror from a matte point.
-Vec3f escaped(const Scene& scene, const Vec3d& direction, double pdf, bool caustic)
-{
-    Vec3f sum(0.0f);
-    for (const Light& light : scene.lights()) {
-        std::visit(
-            [&](const auto& l) {
-                if (caustic && std::is_same_v<std::decay_t<decltype(l)>, DiscSun>) return;
-                const double other = std::isinf(pdf) ? 0.0 : l.pdf(direction);
-                const double weight = other > 0.0 ? pdf / (pdf + other) : 1.0;
-                sum += l.radiance(direction) * static_cast<float>(weight);
-            },
-            light);
-    }
-    return sum;
-}
+/// Sets of random numbers far beyond those of the events: for even media, one a vertex, and for the seed of the path's stream.
+constexpr std::uint32_t kMediaSets = 1u << 30, kStreamSet = 1u << 31;
 
 void record_first_hit(const Scene& scene, const Vertex& v, double time, std::uint32_t object, const Vec2i& size, std::span<float> shares,
                       PixelSample& out)
@@ -119,7 +43,7 @@ void record_first_hit(const Scene& scene, const Vertex& v, double time, std::uin
     out.position = Vec3f(v.at.position);
     out.shading_normal = Vec3f(v.look.normal);
     out.geometric_normal = Vec3f(v.at.geometric_normal);
-    out.albedo = v.look.albedo;
+    out.albedo = v.surface ? Vec3f(1.0f) : v.look.albedo;  // a boundary keeps all light
     out.motion = picture_motion(scene.camera(), v.at, time, size);
     out.object = object + 1;
     out.instance = v.at.instance;
@@ -141,6 +65,41 @@ bool survives(Vec3f& throughput, int events, const PathSettings& settings, doubl
     return true;
 }
 
+/// What a path is between two vertices.
+struct Path {
+    Ray ray;
+    Vec3f throughput{1.0f};
+    double pdf = kInfinity;  ///< of the direction, as `escaped` wants it
+    bool suns = true;        ///< whether it may meet the sun's disc
+    bool matte = false;      ///< whether it has met a matte surface or a medium
+    const Interior* inside;  ///< what it is in; nullptr: air
+};
+
+/// Sends the path on in a direction that the vertex prefers; false if there is none.
+bool scatter(Path& path, const Vertex& v, const Scattering& how, const std::array<double, 3>& u, bool suns)
+{
+    const BsdfSample next = sample(how, v.wo, u);
+    if (!(next.pdf > 0.0)) return false;
+    const bool mirrored = std::isinf(next.pdf);
+    path.throughput *= next.weight;
+    path.matte = path.matte || (!mirrored && !v.surface);
+    path.suns = suns && !(mirrored && (path.matte || next.stray));
+    path.pdf = next.pdf;
+    path.ray = leave(v, next.direction, path.ray.time, mirrored || v.surface ? path.ray.footprint_spread : kMatteSpread);
+    path.inside = v.medium_towards(next.direction);
+
+    // Within water no light was sampled straight: the sky counts in full where it is met, the sun was sought through the surface.
+    if (path.inside) path.pdf = kInfinity, path.suns = path.suns && !path.matte;
+    return true;
+}
+
+NumberStream stream_of(const Scene& scene, const Sampler& sampler)
+{
+    if (scene.is_plain()) return NumberStream(0);
+    const auto u = sampler.get(kStreamSet);
+    return NumberStream(hash_combine(std::bit_cast<std::uint64_t>(u[0]), std::bit_cast<std::uint64_t>(u[1])));
+}
+
 }  // namespace
 
 PixelSample trace_path(const Scene& scene, const PathSettings& settings, const Ray& camera_ray, const Sampler& sampler, std::span<float> shares)
@@ -150,41 +109,50 @@ PixelSample trace_path(const Scene& scene, const PathSettings& settings, const R
     std::fill(shares.begin(), shares.end(), 0.0f);
     out.materials = shares;
 
-    // Sets of random numbers: the camera takes set 0; each event one for scattering and one for each light.
-    const auto sets_an_event = static_cast<std::uint32_t>(1 + scene.lights().size());
-    Ray ray = camera_ray;
-    Vec3f throughput(1.0f);
-    double pdf = kInfinity;
-    bool matte = false;  // whether the path has met a matte surface
-    for (int events = 0;; ++events) {
-        const TraceHit hit = scene.tracer().intersect(ray);
+    // Sets of random numbers: the camera takes set 0; each vertex one for scattering and one for each light.
+    const auto sets_a_vertex = static_cast<std::uint32_t>(1 + scene.lights().size());
+    const double time = camera_ray.time;
+    NumberStream random = stream_of(scene, sampler);
+    Path path{.ray = camera_ray, .inside = scene.around_eye(time)};
+    if (path.inside) path.ray.crossing = Crossing::any;
+    int events = 0;  // at surfaces; media have no limit but roulette
+    for (std::uint32_t vertices = 0;; ++vertices) {
+        const TraceHit hit = scene.tracer().intersect(path.ray);
         out.cost += static_cast<float>(hit.evaluations);
-        if (!hit.valid) {
-            out.radiance += throughput * escaped(scene, ray.direction, pdf, matte && std::isinf(pdf));
+
+        // What lies on the way.
+        Passage way;
+        if (!scene.is_plain() && (path.inside || !scene.media().empty())) {
+            const auto u = sampler.get(kMediaSets + vertices);
+            way = scene.media().pass(path.ray, hit.valid ? hit.t : kInfinity, path.inside, {u[0], u[1]}, random);
+            path.throughput *= way.weight;
+        }
+        if (!hit.valid && !way.scattered) {
+            out.radiance += path.throughput * escaped(scene, path.ray.direction, path.pdf, path.suns);
             return out;
         }
-        const Vertex v = make_vertex(scene, ray, hit);
-        if (events == 0) record_first_hit(scene, v, ray.time, hit.object, settings.size, shares, out);
-        const std::uint32_t set = 1 + static_cast<std::uint32_t>(events) * sets_an_event;
+        Vertex v;
+        if (hit.valid && (!way.scattered || vertices == 0)) v = surface_vertex(scene, path.ray, hit, path.inside);
+        if (hit.valid && vertices == 0) record_first_hit(scene, v, time, hit.object, settings.size, shares, out);
+        if (way.scattered) v = medium_vertex(path.ray, way.t, path.inside);
+        const Scattering how = way.scattered ? Scattering(HenyeyGreenstein(way.asymmetry)) : surface_scattering(v);
 
-        // Light that arrives straight from the lights.
-        const Bsdf bsdf = make_diffuse(v.look.normal, v.at.geometric_normal, v.look.albedo, v.look.roughness, v.look.coat);
-        out.radiance += throughput * next_event(scene, v, bsdf, sampler, set + 1, ray.time);
+        // Light that arrives straight from the lights. The sun that shines through a smooth surface was sought by the matte point behind it.
+        const std::uint32_t set = 1 + vertices * sets_a_vertex;
+        const bool suns = !(v.surface && v.from_inside && v.surface->smooth && path.matte);
+        out.radiance += path.throughput * next_event(scene, v, how, sampler, set + 1, time, suns, random);
 
-        // Go on in a direction that the surface prefers.
+        // Go on.
         const auto u = sampler.get(set);
-        if (!survives(throughput, events, settings, u[2])) return out;
-        const BsdfSample next = sample(bsdf, v.wo, {u[0], u[1], u[3]});
-        if (!(next.pdf > 0.0)) return out;
-        throughput *= next.weight;
-        pdf = next.pdf;
-        const bool mirrored = std::isinf(pdf);
-        matte = matte || !mirrored;
-        ray = leave(v, next.direction, ray.time, mirrored ? ray.footprint_spread : kDiffuseSpread);
+        if (!survives(path.throughput, static_cast<int>(vertices), settings, u[2])) return out;
+        if (!scatter(path, v, how, {u[0], u[1], u[3]}, suns)) return out;
 
         // The last event still sees the sky, but needs no more than to know whether it does.
-        if (events + 1 == settings.max_depth) {
-            if (!scene.tracer().occluded(ray)) out.radiance += throughput * escaped(scene, ray.direction, pdf, matte && mirrored);
+        if (!way.scattered && ++events == settings.max_depth) {
+            if (scene.tracer().occluded(path.ray)) return out;
+            Vec3f last = path.throughput * escaped(scene, path.ray.direction, path.pdf, path.suns);
+            if (!scene.is_plain()) last *= scene.media().transmittance(path.ray, kInfinity, path.inside, random);
+            out.radiance += last;
             return out;
         }
     }

@@ -180,7 +180,7 @@ TEST(Scene, a_camera_inside_matter_is_an_error)
         FAIL();
     } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::scene);
-        EXPECT_STREQ(error.what(), "the camera stands inside the terrain \"thing\", expected an eye in air");
+        EXPECT_STREQ(error.what(), "the camera stands inside the terrain \"thing\", expected an eye in air or water");
     }
 }
 

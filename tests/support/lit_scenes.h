@@ -87,7 +87,7 @@ inline TriangleMesh ground(float half = 1000.0f)
 
 inline SceneParts lit_parts(const Camera& camera, Shape shape, std::vector<Light> lights, std::unique_ptr<Look> look)
 {
-    SceneParts parts{camera, std::move(lights), {}, {}, {}};
+    SceneParts parts{camera, std::move(lights), {}, {}, {}, {}, {}};
     parts.objects.push_back({"thing", "test", {}, {}});
     parts.shapes.push_back(std::move(shape));
     parts.looks["wall"] = std::move(look);
