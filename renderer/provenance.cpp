@@ -102,6 +102,11 @@ std::map<std::string, Attribute> provenance(const LoadedScene& loaded, const Ren
     facts["hoodoo:objects"] = object_names(*loaded.scene);
     facts["hoodoo:droppedSamples"] = fmt::format("{}", film.dropped_samples());
     if (const Vec2i pixel = film.first_dropped_pixel(); pixel.x >= 0) facts["hoodoo:firstDroppedPixel"] = fmt::format("{},{}", pixel.x, pixel.y);
+    if (!loaded.scene->is_plain()) {
+        facts["hoodoo:caustics"] =
+            std::string("the sun by one refraction at a smooth surface to points in water; reflected and longer ones left out");
+        facts["hoodoo:samplesAboveBound"] = fmt::format("{}", loaded.scene->media().samples_above_bound());
+    }
     facts["hoodoo:refusedRays"] = fmt::format("{}", loaded.scene->tracer().refused_rays());
     if (options.measurements) {
         facts["hoodoo:renderTime"] = static_cast<float>(render_seconds);

@@ -1,5 +1,6 @@
 // Every sampler of light and scattering follows its own density; a density that is one percent off somewhere fails.
 #include "renderer/light/light.h"
+#include "renderer/media/phase.h"
 #include "renderer/shading/bsdf.h"
 #include "tests/counts.h"
 #include "tests/support/chi_square.h"
@@ -87,6 +88,66 @@ TEST(Sampling, a_slightly_tilted_lobe_follows_its_density)
 TEST(Sampling, a_strongly_tilted_lobe_follows_its_density)
 {
     expect_bsdf(tilted(1.2, 0.3), Vec3d(0, 0, 1), tilted(0.7, 1.0), 0.3f);
+}
+
+TEST(Sampling, the_phase_function_follows_its_density)
+{
+    const Vec3d wo = tilted(0.9, 2.0);
+    for (const double g : {0.85, 0.3, 5e-5, -0.4}) {
+        const HenyeyGreenstein phase(g);
+        expect_law_and_mutant(
+            SphereChart(wo), [&](std::mt19937_64& r) { return phase.sample(wo, Vec2d(uniform(r), uniform(r))); },
+            [&](const Vec3d& w) { return phase.value(wo, w); }, 12, 12, 40);
+    }
+}
+
+TEST(Sampling, the_phase_functions_mean_cosine_is_its_asymmetry)
+{
+    // The mean of n cosines has a standard error of at most 1 / sqrt(n).
+    std::mt19937_64 random(8);
+    const Vec3d wo(0, 0, -1);
+    for (const double g : {0.85, 0.3, 0.0, -0.4}) {
+        const HenyeyGreenstein phase(g);
+        double sum = 0.0;
+        const int n = 1000000;
+        for (int k = 0; k < n; ++k) sum += phase.sample(wo, Vec2d(uniform(random), uniform(random))).z;
+        EXPECT_NEAR(sum / n, g, 5e-3);
+    }
+}
+
+/// Samples that took one facet; the share of the others is counted apart and must be what the density leaves.
+void expect_facets(double eta, double roughness, double angle)
+{
+    const Vec3d n(0, 0, 1), wo = tilted(angle, 1.0);
+    const Dielectric boundary(n, n, eta, roughness);
+    const auto draw = [&](std::mt19937_64& r) { return boundary.sample(wo, {uniform(r), uniform(r), uniform(r)}); };
+    std::mt19937_64 random(2);
+    const int n_counted = 4000000;
+    int kept = 0;
+    for (int k = 0; k < n_counted; ++k) kept += !draw(random).stray;
+    const double share = static_cast<double>(kept) / n_counted;
+    ASSERT_GT(share, 0.3);
+    expect_law_and_mutant(
+        SphereChart(n),
+        [&](std::mt19937_64& r) {
+            BsdfSample one = draw(r);
+            while (one.stray) one = draw(r);
+            return one.direction;
+        },
+        [&](const Vec3d& w) { return boundary.evaluate(wo, w).pdf / share; }, 16, 10, 60);
+}
+
+TEST(Sampling, facets_follow_their_density)
+{
+    expect_facets(1.333, 0.5, 0.6);
+}
+TEST(Sampling, facets_at_a_grazing_angle_follow_their_density)
+{
+    expect_facets(1.333, 0.3, 1.35);
+}
+TEST(Sampling, facets_from_within_follow_their_density)
+{
+    expect_facets(1.0 / 1.333, 0.4, 0.7);
 }
 
 TEST(Sampling, the_sun_disc_follows_its_density)
