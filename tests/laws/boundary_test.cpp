@@ -178,7 +178,7 @@ TEST(UnderWater, the_floor_gets_what_fresnel_and_beer_let_through_of_the_sun)
         const Vec3d direction(std::sin(zenith), 0.0, cosine);
         const Light sun = c.disc ? Light(DiscSun(direction, Vec3f(5.0f), 0.00925)) : Light(DeltaSun(direction, Vec3f(5.0f)));
         // One event: what the sun sends to the floor. A narrow view, so that the way to the camera is the depth between.
-        const Image seen = floor_under(std::make_unique<SineSea>(0.0), sun, depth, absorption, 0.01, 1, 8, count(64, 1024));
+        const Image seen = floor_under(std::make_unique<SineSea>(0.0), sun, depth, absorption, 0.01, 1, 8, count(600, 4000));
         const double inside = std::sqrt(1.0 - (1.0 - cosine * cosine) / (kIor * kIor));
         const double expected = 5.0 * cosine * (1.0 - fresnel_dielectric(cosine, kIor)) * std::exp(-absorption * depth / inside);
         EXPECT_NEAR(average(irradiances(seen)) * std::exp(absorption * 0.5 * depth) / expected, 1.0, 0.01) << "sun at " << c.zenith_deg << " degrees";
@@ -208,7 +208,7 @@ TEST(UnderWater, a_swell_gathers_sunlight_into_lines_and_loses_none)
         return irradiances(floor_under(std::make_unique<SineSea>(amplitude, 2.0), sun, depth, 0.0, 6.0, 1, 96, samples));
     };
     const double flat = average(row(0.0, 16));
-    std::vector<double> lines = row(0.08, count(48, 1500));
+    std::vector<double> lines = row(0.08, count(300, 3000));
     EXPECT_NEAR(average(lines) / flat, 1.0, 0.02);
 
     // Percentiles over places: the four rows of a pixel column see the same place of the swell.
