@@ -137,9 +137,10 @@ PixelSample trace_path(const Scene& scene, const PathSettings& settings, const R
         if (way.scattered) v = medium_vertex(path.ray, way.t, path.inside);
         const Scattering how = way.scattered ? Scattering(HenyeyGreenstein(way.asymmetry)) : surface_scattering(v);
 
-        // Light that arrives straight from the lights. The sun that shines through a smooth surface was sought by the matte point behind it.
+        // Light that arrives straight from the lights. A surface whose only roughness is that of ripples too fine to see is a mirror to matte points:
+        // the sun through it was sought by the point behind it, its glitter is left out.
         const std::uint32_t set = 1 + vertices * sets_a_vertex;
-        const bool suns = !(v.surface && v.from_inside && v.surface->smooth && path.matte);
+        const bool suns = !(v.surface && v.surface->smooth && path.matte);
         out.radiance += path.throughput * next_event(scene, v, how, sampler, set + 1, time, suns, random);
 
         // Go on.

@@ -208,7 +208,7 @@ TEST(UnderWater, a_swell_gathers_sunlight_into_lines_and_loses_none)
         return irradiances(floor_under(std::make_unique<SineSea>(amplitude, 2.0), sun, depth, 0.0, 6.0, 1, 96, samples));
     };
     const double flat = average(row(0.0, 16));
-    std::vector<double> lines = row(0.08, count(300, 3000));
+    std::vector<double> lines = row(0.08, count(200, 3000));
     EXPECT_NEAR(average(lines) / flat, 1.0, 0.02);
 
     // Percentiles over places: the four rows of a pixel column see the same place of the swell.
