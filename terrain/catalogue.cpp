@@ -24,6 +24,7 @@ std::span<const CatalogueEntry> catalogue()
         voxels_row(),
         rock_pile_row(),
         cracked_row(),
+        heightfield_row(),
     };
     // clang-format on
     return rows;

@@ -15,6 +15,7 @@ CatalogueEntry breaking_wave_row();
 CatalogueEntry voxels_row();
 CatalogueEntry rock_pile_row();
 CatalogueEntry cracked_row();
+CatalogueEntry heightfield_row();
 
 /// The rows whose surfaces are heights over the plane by themselves: what another row may take as its ground, in a table of its own.
 std::vector<CatalogueEntry> height_rows();

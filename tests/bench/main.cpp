@@ -1,6 +1,8 @@
-// `./run bench [NAME] [--small]`: benchmarks by name, all without one. Each writes out/bench/NAME.json.
+// `./run bench [NAME] [--small | --full]`: benchmarks by name, all without one. Each writes out/bench/NAME.json. `--full` adds the largest sizes,
+// where a benchmark has such.
 
 #include "tests/bench/edit.h"
+#include "tests/bench/height.h"
 #include "tests/bench/path.h"
 #include "tests/bench/report.h"
 #include "tests/bench/rocks.h"
@@ -10,17 +12,23 @@
 
 #include <cstdio>
 #include <cstring>
+#include <functional>
 
 int main(int argc, char** argv)
 {
     using namespace hoodoo::bench;
-    const std::map<std::string, nlohmann::json (*)(bool)> benchmarks{{"edit", edit_benchmark},   {"path", path_benchmark}, {"rocks", rocks_benchmark},
-                                                                     {"trace", trace_benchmark}, {"warp", warp_benchmark}, {"wave", wave_benchmark}};
+    bool full = true, largest = false;
+    const std::map<std::string, std::function<nlohmann::json(bool)>> benchmarks{
+        {"edit", edit_benchmark},   {"height", [&](bool usual) { return height_benchmark(usual, largest); }},
+        {"path", path_benchmark},   {"rocks", rocks_benchmark},
+        {"trace", trace_benchmark}, {"warp", warp_benchmark},   {"wave", wave_benchmark},
+    };
     std::string name;
-    bool full = true;
     for (int i = 1; i < argc; ++i) {
         if (std::strcmp(argv[i], "--small") == 0) {
             full = false;
+        } else if (std::strcmp(argv[i], "--full") == 0) {
+            largest = true;
         } else {
             name = argv[i];
         }

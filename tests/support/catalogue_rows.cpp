@@ -6,6 +6,7 @@
 #include "terrain/math/hash.h"
 #include "tests/support/mesh_surface.h"
 
+#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -76,6 +77,28 @@ const std::string& voxel_path()
                     if ((i * 7 + j * 5 + k * 3) % 9 == 0 && std::abs(value - 0.5f) < 0.3f) value = 0.5f;
                     out.write(reinterpret_cast<const char*>(&value), sizeof value);
                 }
+        return file.string();
+    }();
+    return path;
+}
+
+/// Rugged heights of 37 x 43 samples in 16 bits, with walls and a plateau, written as TIFF once a process.
+const std::string& heights_path()
+{
+    static const std::string path = [] {
+        const std::filesystem::path file = std::filesystem::temp_directory_path() / fmt::format("hoodoo_law_heights_{}.tif", ::getpid());
+        OIIO::ImageSpec spec(37, 43, 1, OIIO::TypeDesc::UINT16);
+        std::vector<std::uint16_t> samples;
+        for (int row = 0; row < spec.height; ++row) {
+            for (int column = 0; column < spec.width; ++column) {
+                const double wave = std::sin(0.4 * column) * std::cos(0.33 * row), noise = unit_real(hash_cell(6, column, row));
+                samples.push_back(static_cast<std::uint16_t>(column > 20 && row > 25 ? 40000 : 20000 + 9000 * wave + 5000 * noise));
+            }
+        }
+        const auto out = OIIO::ImageOutput::create(file.string());
+        out->open(file.string(), spec);
+        out->write_image(OIIO::TypeDesc::UINT16, samples.data());
+        out->close();
         return file.string();
     }();
     return path;
@@ -176,6 +199,11 @@ const std::vector<RowInstance>& row_instances()
              return fmt::format("base = \"convolution_cut_exact\"\ncell = 0.4\nregion_min = {}\nregion_max = {}\n", vector_text(Vec3d(0, -1, 1) + s),
                                 vector_text(Vec3d(8, 6, 6) + s));
          }},
+        {"heightfield", "heightfield",
+         [](const Vec3d& s) {
+             return fmt::format("file = \"{}\"\nwhite = 12.0\ncell = [0.5, 0.4]\norigin = {}\nsmooth = true\n", heights_path(), vector_text(s));
+         },
+         0.95},
         {"rock_pile", "rock_pile",
          [](const Vec3d& s) {
              return fmt::format("base = {}\nsize = [3.4, 3.0, 1.6]\nrocks_per_tile = 12\nrock_detail = 3\nform = \"bed\"\n", vector_text(s));
