@@ -29,7 +29,12 @@ constexpr GridSummary kNothing{std::numeric_limits<float>::infinity(), -std::num
 }  // namespace
 
 HeightGrid::HeightGrid(const GridFrame& frame, int columns, int rows, SampleType type)
-    : frame_(frame), columns_(columns), rows_(rows), across_((columns - 2) / kBlock + 1), up_((rows - 2) / kBlock + 1)
+    : frame_(frame),
+      per_metre_(1.0 / frame.cell.x, 1.0 / frame.cell.y, 1.0 / frame.scale),
+      columns_(columns),
+      rows_(rows),
+      across_((columns - 2) / kBlock + 1),
+      up_((rows - 2) / kBlock + 1)
 {
     if (columns < 2 || rows < 2) throw Error(ErrorKind::internal, "a grid of heights has at least 2 x 2 nodes");
     const double nodes = static_cast<double>(across_) * up_ * kNodes;

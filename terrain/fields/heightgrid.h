@@ -2,6 +2,7 @@
 #pragma once
 
 #include "terrain/fields/height.h"
+#include "terrain/math/pages.h"
 
 #include <cstdint>
 #include <string>
@@ -32,6 +33,9 @@ enum class SampleType { u8, u16, i16, f32 };
 class HeightGrid final : public Height
 {
 public:
+    template <class T>
+    using Samples = std::vector<T, HugePages<T>>;
+
     static constexpr int kBlock = 16;           ///< cells along the side of a block
     static constexpr int kStride = kBlock + 1;  ///< nodes along it
     static constexpr int kNodes = kStride * kStride;
@@ -50,6 +54,8 @@ public:
     int columns() const { return columns_; }  ///< nodes
     int rows() const { return rows_; }
     const GridFrame& frame() const { return frame_; }
+    /// Columns, rows and samples a metre: rays are turned into these with products.
+    const Vec3d& per_metre() const { return per_metre_; }
     SampleType type() const { return static_cast<SampleType>(samples_.index()); }
     double sample(int column, int row) const;
     double node_height(int column, int row) const { return frame_.origin.z + frame_.scale * sample(column, row); }
@@ -62,7 +68,7 @@ public:
     template <class T>
     const T* block(int index) const
     {
-        return std::get<std::vector<T>>(samples_).data() + static_cast<std::size_t>(index) * kNodes;
+        return std::get<Samples<T>>(samples_).data() + static_cast<std::size_t>(index) * kNodes;
     }
     std::uint64_t sample_bytes() const;
     std::uint64_t summary_bytes() const;
@@ -97,8 +103,9 @@ private:
     Vec2d grid_point(const Vec2d& p) const;
 
     GridFrame frame_;
+    Vec3d per_metre_;
     int columns_, rows_, across_, up_;
-    std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<std::int16_t>, std::vector<float>> samples_;
+    std::variant<Samples<std::uint8_t>, Samples<std::uint16_t>, Samples<std::int16_t>, Samples<float>> samples_;
     std::vector<std::vector<GridSummary>> levels_;  ///< blocks, squares of 2 x 2 blocks, ...
     std::vector<std::pair<int, int>> sizes_;        ///< of the levels
 };

@@ -37,10 +37,11 @@ GridRay::GridRay(const HeightGrid& grid, const Ray& ray) : grid_(grid), ray_(ray
         const bool moves = std::abs(speed) > kStill;
         return Axis{start, moves ? speed : 0.0, moves ? 1.0 / speed : 0.0, moves ? (speed > 0.0 ? 1 : -1) : 0};
     };
-    u_ = axis((ray.origin.x - frame.origin.x) / frame.cell.x, ray.direction.x / frame.cell.x);
-    v_ = axis((ray.origin.y - frame.origin.y) / frame.cell.y, ray.direction.y / frame.cell.y);
-    z_ = (ray.origin.z - frame.origin.z) / frame.scale;
-    dz_ = ray.direction.z / frame.scale;
+    const Vec3d& k = grid.per_metre();
+    u_ = axis((ray.origin.x - frame.origin.x) * k.x, ray.direction.x * k.x);
+    v_ = axis((ray.origin.y - frame.origin.y) * k.y, ray.direction.y * k.y);
+    z_ = (ray.origin.z - frame.origin.z) * k.z;
+    dz_ = ray.direction.z * k.z;
 }
 
 double GridRay::height_error() const
@@ -74,29 +75,49 @@ public:
     {
         if (!enter() || !clip_height() || a_ >= limit) return false;
         place();
+        // Nothing in this loop but what every cell needs, in local variables; a choice between u and v is not to be predicted, so it is no branch.
+        const int u_step = r_.u_.step, v_step = r_.v_.step;
+        const double u_next = u_step, v_next = v_step, u_start = r_.u_.start, v_start = r_.v_.start, z = r_.z_, dz = r_.dz_, margin = margin_;
+        // A ray that stands still passes its next line never: (inf - start) * 1.
+        const double u_inverse = u_step ? r_.u_.inverse : 1.0, v_inverse = v_step ? r_.v_.inverse : 1.0;
+        double u_line = u_step ? i_ + (u_step > 0) : kInfinity, v_line = v_step ? j_ + (v_step > 0) : kInfinity;
+        double tu = (u_line - u_start) * u_inverse, tv = (v_line - v_start) * v_inverse;
+        int u_left = u_step > 0 ? i_hi_ - 1 - i_ : i_ - i_lo_, v_left = v_step > 0 ? j_hi_ - 1 - j_ : j_ - j_lo_;
+        const std::ptrdiff_t u_jump = u_step, v_jump = v_step * HeightGrid::kStride;
+        const T* p = nodes_ + (j_ - j_lo_) * HeightGrid::kStride + (i_ - i_lo_);
+        double a = a_, z_a = z + dz * a_;
+        std::uint32_t count = 0;
         for (;;) {
-            ++cells;
-            const double tu = next(r_.u_, i_), tv = next(r_.v_, j_);
-            b_ = std::min(tu, tv);
-            At end = tv <= tu ? At::v_line : At::u_line;
-            if (b_ > end_) b_ = end_, end = At::plane;
-            if (cell(end, limit, found)) return true;
-            if (end == At::plane || b_ >= limit) return false;
-            if (end == At::v_line) {
-                j_ += r_.v_.step;
-                if (j_ < j_lo_ || j_ >= j_hi_) return false;
+            ++count;
+            const bool by_v = tv <= tu, ends = std::min(tu, tv) > end_;
+            const double b = ends ? end_ : std::min(tu, tv), z_b = z + dz * b;
+            const double top = std::max(std::max(p[0], p[1]), std::max(p[HeightGrid::kStride], p[HeightGrid::kStride + 1]));
+            if (std::min(z_a, z_b) > top + margin) {
+                known_value_ = false;
             } else {
-                i_ += r_.u_.step;
-                if (i_ < i_lo_ || i_ >= i_hi_) return false;
+                const double bottom = std::min(std::min(p[0], p[1]), std::min(p[HeightGrid::kStride], p[HeightGrid::kStride + 1]));
+                if (std::max(z_a, z_b) < bottom - margin) {
+                    known_value_ = false;
+                } else {
+                    i_ = u_step > 0 ? i_hi_ - 1 - u_left : i_lo_ + u_left;
+                    j_ = v_step > 0 ? j_hi_ - 1 - v_left : j_lo_ + v_left;
+                    a_ = a, b_ = b;
+                    if (cell(p, ends ? At::plane : by_v ? At::v_line : At::u_line, limit, found)) return cells += count, true;
+                }
             }
-            a_ = b_;
-            start_ = end;
+            u_left -= !by_v, v_left -= by_v;
+            if (ends || (u_left | v_left) < 0 || b >= limit) break;
+            start_ = by_v ? At::v_line : At::u_line;
+            p += by_v ? v_jump : u_jump;
+            u_line += by_v ? 0.0 : u_next, v_line += by_v ? v_next : 0.0;
+            tu = (u_line - u_start) * u_inverse, tv = (v_line - v_start) * v_inverse;
+            a = b, z_a = z_b;
         }
+        cells += count;
+        return false;
     }
 
 private:
-    static double next(const GridRay::Axis& axis, int cell) { return axis.step == 0 ? kInfinity : axis.t(cell + (axis.step > 0)); }
-
     /// The passings by which the ray comes into the lines [lo, hi] of an axis and goes out. False if it stands still elsewhere.
     static bool span(const GridRay::Axis& axis, int lo, int hi, bool to_border, double& in, double& out)
     {
@@ -139,7 +160,6 @@ private:
     {
         i_ = cell_at(r_.u_, i_lo_, i_hi_ - 1, start_ == At::v_line);
         j_ = cell_at(r_.v_, j_lo_, j_hi_ - 1, false);
-        z_a_ = r_.z_ + r_.dz_ * a_;
     }
     int cell_at(const GridRay::Axis& axis, int first, int last, bool later) const
     {
@@ -154,17 +174,11 @@ private:
         return cell;
     }
 
-    const T* corner() const { return nodes_ + (j_ - j_lo_) * HeightGrid::kStride + (i_ - i_lo_); }
-
-    bool cell(At end, double limit, GridCrossing& found)
+    /// The cell (i_, j_), whose nodes begin at p, over the piece [a_, b_].
+    bool cell(const T* p, At end, double limit, GridCrossing& found)
     {
-        const T* p = corner();
         const double h00 = p[0], h10 = p[1], h01 = p[HeightGrid::kStride], h11 = p[HeightGrid::kStride + 1];
-        const double z_b = r_.z_ + r_.dz_ * b_, z_a = z_a_;
-        z_a_ = z_b;
-        if (std::min(z_a, z_b) > std::max(std::max(h00, h10), std::max(h01, h11)) + margin_) return pass();
-        if (std::max(z_a, z_b) < std::min(std::min(h00, h10), std::min(h01, h11)) - margin_) return pass();
-
+        const double z_a = r_.z_ + r_.dz_ * a_, z_b = r_.z_ + r_.dz_ * b_;
         const bool from_upper = is_upper(start_, a_, true), to_upper = is_upper(end, b_, false);
         const double fa = known_value_ ? f_ : z_a - over(start_, a_, from_upper, h00, h10, h01, h11);
         const double fb = z_b - over(end, b_, to_upper, h00, h10, h01, h11);
@@ -177,13 +191,6 @@ private:
         const double along = r_.v_.start + r_.v_.speed * t - j_;
         const double fd = r_.z_ + r_.dz_ * t - (h10 + (h01 - h10) * along);
         return piece(a_, fa, t, fd, from_upper, limit, found) || piece(t, fd, b_, fb, to_upper, limit, found);
-    }
-
-    /// The ray is above or below the cell for certain: its sign at the far end is known, its value is not.
-    bool pass()
-    {
-        known_value_ = false;
-        return false;
     }
 
     /// Which triangle of the cell lies at the end of a piece: by the edge, or by the point.
@@ -218,8 +225,8 @@ private:
     GridSummary known_;
     int i_lo_, j_lo_, i_hi_, j_hi_;
     double margin_ = 0.0;
-    double a_ = 0.0, b_ = 0.0, end_ = 0.0, z_a_ = 0.0;  // the piece [a_, b_] of the stretch that ends at end_
-    double f_ = 0.0;                                    // F at a_, if known_value_
+    double a_ = 0.0, b_ = 0.0, end_ = 0.0;  // the piece [a_, b_] of the stretch that ends at end_
+    double f_ = 0.0;                        // F at a_, if known_value_
     bool known_value_ = false;
     At start_ = At::plane;
     int i_ = 0, j_ = 0;

@@ -189,6 +189,11 @@ nlohmann::json size_report(int size, bool baselines)
             tasks.push_back({view.name + "/shadow", method.name, s.shadow.size(), [&] { method.any(s.shadow); }});
         }
     }
+    for (std::size_t k = 0; k < keep.size(); k += methods.size()) {
+        double cells = 0.0;
+        for (const Ray& ray : keep[k]->primary) cells += tracer->intersect(ray).evaluations;
+        report["cells_a_primary_ray"][views(*surface.height())[k / methods.size()].name] = cells / static_cast<double>(keep[k]->primary.size());
+    }
     const auto rates = measure(tasks);
     for (const Task& task : tasks) report["rays_per_second"][task.group][task.method] = rates.at(task.group + "/" + task.method);
     return report;
@@ -198,6 +203,7 @@ void print(int size, const nlohmann::json& report)
 {
     std::printf("%d x %d\n", size, size);
     for (const auto& [method, facts] : report["methods"].items()) std::printf("  %-12s %s\n", method.c_str(), facts.dump().c_str());
+    std::printf("  cells a primary ray %s\n", report["cells_a_primary_ray"].dump().c_str());
     for (const auto& [group, methods] : report["rays_per_second"].items()) {
         std::printf("  %-16s", group.c_str());
         for (const auto& [method, rate] : methods.items()) {
