@@ -92,8 +92,8 @@ public:
         const auto& m = place_.map;
         const double column = 0.5 - f.origin.x / f.cell.x, row = grid_->rows() - 0.5 + f.origin.y / f.cell.y;
         return {place_.system,
-                {m[0] + m[1] * column + m[2] * row, m[1] / f.cell.x, -m[2] / f.cell.y, m[3] + m[4] * column + m[5] * row, m[4] / f.cell.x,
-                 -m[5] / f.cell.y}};
+                {m[0] + m[1] * column + m[2] * row, m[1] / f.cell.x, 0.0 - m[2] / f.cell.y, m[3] + m[4] * column + m[5] * row, m[4] / f.cell.x,
+                 0.0 - m[5] / f.cell.y}};
     }
 
     SurfaceInfo info() const override
