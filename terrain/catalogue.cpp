@@ -25,6 +25,7 @@ std::span<const CatalogueEntry> catalogue()
         rock_pile_row(),
         cracked_row(),
         heightfield_row(),
+        elevation_row(),
     };
     // clang-format on
     return rows;
@@ -32,7 +33,7 @@ std::span<const CatalogueEntry> catalogue()
 
 std::vector<CatalogueEntry> height_rows()
 {
-    return {plane_row()};
+    return {plane_row(), heightfield_row(), elevation_row()};
 }
 
 const CatalogueEntry* find_in_catalogue(const std::string& name)

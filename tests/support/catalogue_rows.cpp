@@ -109,6 +109,14 @@ std::string vector_text(const Vec3d& v)
     return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x, v.y, v.z);
 }
 
+std::string small_hills(const std::string& kind, const Vec3d& shift)
+{
+    return fmt::format(
+        "kind = \"{}\"\norigin = {}\ncentre = [{:.17g}, {:.17g}]\nextent = 6.0\nrelief = 3.0\nwavelength = 5.0\noctaves = 4\npatch = 0.5\n"
+        "growth = 0.0\nlod = false\n",
+        kind, vector_text(shift), shift.x, shift.y);
+}
+
 /// A plateau with a tunnel through it, a cave and an arch: walls, ceilings and thin parts. Moved as a whole.
 std::string carved_block(const Vec3d& shift, const std::string& more)
 {
@@ -204,6 +212,9 @@ const std::vector<RowInstance>& row_instances()
              return fmt::format("file = \"{}\"\nwhite = 12.0\ncell = [0.5, 0.4]\norigin = {}\nsmooth = true\n", heights_path(), vector_text(s));
          },
          0.95},
+        {"elevation", "elevation_fbm", [](const Vec3d& s) { return small_hills("fbm", s); }, 0.9},
+        {"elevation", "elevation_ridged", [](const Vec3d& s) { return small_hills("ridged", s); }, 0.9},
+        {"elevation", "elevation_multifractal", [](const Vec3d& s) { return small_hills("multifractal", s); }, 0.9},
         {"rock_pile", "rock_pile",
          [](const Vec3d& s) {
              return fmt::format("base = {}\nsize = [3.4, 3.0, 1.6]\nrocks_per_tile = 12\nrock_detail = 3\nform = \"bed\"\n", vector_text(s));
