@@ -195,7 +195,7 @@ nlohmann::json warp_benchmark(bool full)
     std::printf("certified: %llu patches, %.1f MB, %.2f s\n", static_cast<unsigned long long>(surface.info().patches),
                 static_cast<double>(surface.info().trace_bytes) / 1e6, surface.info().build_seconds);
     std::vector<Meshed> meshes;
-    for (const double spacing : full ? std::vector<double>{kCell / 32, kCell / 64} : std::vector<double>{kCell / 16}) {
+    for (const double spacing : full ? std::vector<double>{kCell / 8, kCell / 16} : std::vector<double>{kCell / 5}) {
         meshes.push_back(meshed(surface, spacing));
         std::printf("mesh: %s\n", meshes.back().facts.dump().c_str());
         report["meshes"].push_back(meshes.back().facts);
