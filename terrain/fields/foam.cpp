@@ -201,12 +201,12 @@ double SeaFoam::cover(const Vec3d& p, const Vec3d& rest, double t, double footpr
             sheet = keep * smoothstep(at.origin.falling / u) * std::clamp(0.35 + 1.3 * gradient_noise(stretched, shape_.seed + 4).value, 0.0, 1.0);
         }
         const double speed = WaveProfile(b.shape).speed(std::hypot(at.local.x, at.local.z));
-        const double face = 0.22 * keep * speed * std::min(1.0, at.life.duration / (3.0 * u));
+        const double face = 0.12 * keep * speed * std::min(1.0, at.life.duration / (3.0 * u));
         if (at.local.x > 0.0 && b.speed > 0.0) {
             const double age = at.local.x / b.speed;
             trail = smoothstep((at.life.since_fall - age) / b.collapse) * std::exp(-age / (1.5 * b.decay));
         }
-        amount += 1.3 * w.white + 1.2 * w.lip + 1.2 * w.impact + 0.7 * sheet + face + 0.8 * trail;
+        amount += 1.3 * w.white + 1.2 * w.lip + 1.2 * w.impact + 0.4 * sheet + face + 0.8 * trail;
     }
     return lace(q, shape_.cover * amount, width, shape_.seed);
 }

@@ -68,6 +68,21 @@ def test_a_frame_rendered_alone_is_the_same_file(folder):
     assert pixels(folder / "w.0001.exr") != pixels(folder / "w.0003.exr")
 
 
+def test_a_frame_of_a_breaking_wave_alone_is_the_frame_of_the_sequence(folder):
+    sea = SCENE.replace("[terrain.floor]\ntype = \"plane\"\npoint = [0, 0, \"= 0.5 * t\"]", """[terrain.sea]
+type = "breaking_wave"
+extent = 200
+time = 2
+[[terrain.sea.wave]]
+centre = [15, 0]""")
+    assert "breaking_wave" in sea
+    (folder / "wave.toml").write_text(sea)
+    render(folder, "--frames", "15-19", "--spp", 4, "-o", "w.####.exr")
+    render(folder, "--frame", 17, "-t", 2, "--spp", 4, "-o", "alone.exr")
+    assert (folder / "alone.exr").read_bytes() == (folder / "w.0017.exr").read_bytes()
+    assert pixels(folder / "w.0017.exr") != pixels(folder / "w.0018.exr")
+
+
 def test_noise_differs_by_the_frame_unless_its_seed_is_locked(folder):
     text = SCENE.replace('"= 0.5 * t"', "0").replace("frame = 9\neye = [20, 0, 6]", "frame = 9\neye = [0, -20, 6]").replace('fov = "30 deg"', "")
     (folder / "wave.toml").write_text(text)
