@@ -22,6 +22,7 @@ std::span<const CatalogueEntry> catalogue()
         canyon_row(),
         breaking_wave_row(),
         voxels_row(),
+        implicit_row(),
         rock_pile_row(),
         cracked_row(),
         heightfield_row(),

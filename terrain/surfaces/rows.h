@@ -13,6 +13,7 @@ CatalogueEntry warped_row();
 CatalogueEntry canyon_row();
 CatalogueEntry breaking_wave_row();
 CatalogueEntry voxels_row();
+CatalogueEntry implicit_row();
 CatalogueEntry rock_pile_row();
 CatalogueEntry cracked_row();
 CatalogueEntry heightfield_row();

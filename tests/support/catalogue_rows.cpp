@@ -130,6 +130,46 @@ std::string carved_block(const Vec3d& shift, const std::string& more)
         vector_text(shift), more, at(-1, 2.6, 2.2), at(8, 3.4, 2.4), at(5.5, 4.8, 4.6), at(1.6, -1, 4.4), at(2.2, 7, 4.8));
 }
 
+/// Every primitive and every operator once. Moved as a whole.
+std::string every_node(const Vec3d& shift)
+{
+    const auto at = [&](double x, double y, double z) { return vector_text(Vec3d(x, y, z) + shift); };
+    const auto node = [](const std::string& name, const std::string& kind, const std::string& rest) {
+        return fmt::format("[[node]]\nname = \"{}\"\nkind = \"{}\"\n{}\n", name, kind, rest);
+    };
+    return "patch = 0.4\n" + node("ball", "point", fmt::format("at = {}\nradius = 1.3", at(0, 0, 1))) +
+           node("bar", "segment", fmt::format("points = [{}, {}]\nradius = [0.9, 0.4]\nmaterial = \"sand\"", at(-2, 0.3, 0.2), at(2.5, 0.8, 0.6))) +
+           node("snake", "curve",
+                fmt::format("points = [{}, {}, {}, {}]\nradius = [0.5, 0.8, 0.4, 0.6]", at(2, -2, 0), at(3, 0, 1.4), at(1, 2, 1.8), at(-2, 2, 0.5))) +
+           node("plate", "disc", fmt::format("centre = {}\nnormal = [0.2, 0.1, 1]\nextent = 2.2\nradius = 0.35", at(0, 0, -0.8))) +
+           node("star", "polygon",
+                fmt::format("points = [{}, {}, {}, {}, {}]\nradius = 0.3", at(-1, -3, -1), at(2, -3, -1), at(0.7, -3, 0.4), at(1, -3, 2),
+                            at(-2, -3, 2))) +
+           node("tunnel", "sweep",
+                fmt::format("points = [{}, {}, {}]\nprofile = [-0.5, -0.4, 0.5, -0.4, 0.6, 0.3, 0, 0.7, -0.6, 0.3]\nscale = [1, 0.8, 1.1]",
+                            at(-3, -1, 0.9), at(0, 0.2, 1.1), at(3, 0.4, 1.2))) +
+           node("core", "blend", "of = [\"ball\", \"bar\", \"snake\"]\nwidth = 0.25") +
+           node("bent", "warp",
+                fmt::format("of = \"core\"\n[[node.flow]]\nkind = \"vortex\"\ncentre = {}\naxis = [0, 0.3, 1]\nradius = 2.5\nstrength = 0.7",
+                            at(0.5, 0.5, 0.5))) +
+           node("rough", "noise", fmt::format("of = \"bent\"\namplitude = 0.12\nwavelength = 1.1\noctaves = 2\norigin = {}", at(0, 0, 0))) +
+           node("lens", "intersection", fmt::format("of = [\"plate\", \"well\"]\nwidth = 0.1")) +
+           node("well", "point", fmt::format("at = {}\nradius = 2.0", at(0.4, 0.2, -1.6))) +
+           node("all", "union", "of = [\"rough\", \"lens\", \"star\"]") + node("solid", "difference", "of = [\"all\", \"tunnel\"]\nwidth = 0.05");
+}
+
+/// The carved block with a cave through its wall. Moved as a whole.
+std::string caves_in(const std::string& base, const Vec3d& shift)
+{
+    const auto at = [&](double x, double y, double z) { return vector_text(Vec3d(x, y, z) + shift); };
+    return fmt::format(
+        "patch = 0.6\n[[node]]\nname = \"ground\"\nkind = \"terrain\"\nterrain = \"{}\"\n[[node]]\nname = \"gallery\"\nkind = \"curve\"\n"
+        "points = [{}, {}, {}]\nradius = [0.6, 1.0, 0.5]\n[[node]]\nname = \"hall\"\nkind = \"point\"\nat = {}\nradius = 1.3\n"
+        "[[node]]\nname = \"caves\"\nkind = \"blend\"\nof = [\"gallery\", \"hall\"]\nwidth = 0.2\n"
+        "[[node]]\nname = \"karst\"\nkind = \"difference\"\nof = [\"ground\", \"caves\"]\n",
+        base, at(-1, 4.5, 3.0), at(3, 4.0, 1.5), at(6, 1.0, 3.5), at(4.5, 2.5, 2.2));
+}
+
 }  // namespace
 
 TriangleMesh flattened(const Instances& instances)
@@ -215,6 +255,9 @@ const std::vector<RowInstance>& row_instances()
         {"elevation", "elevation_fbm", [](const Vec3d& s) { return small_hills("fbm", s); }, 0.9},
         {"elevation", "elevation_ridged", [](const Vec3d& s) { return small_hills("ridged", s); }, 0.9},
         {"elevation", "elevation_multifractal", [](const Vec3d& s) { return small_hills("multifractal", s); }, 0.9},
+        {"implicit", "implicit", every_node},
+        {"implicit", "implicit_caves", [](const Vec3d& s) { return caves_in("convolution_cut_sphere", s); }},
+        {"implicit", "implicit_caves_in_voxels", [](const Vec3d& s) { return caves_in("voxels_of_layers", s); }},
         {"rock_pile", "rock_pile",
          [](const Vec3d& s) {
              return fmt::format("base = {}\nsize = [3.4, 3.0, 1.6]\nrocks_per_tile = 12\nrock_detail = 3\nform = \"bed\"\n", vector_text(s));
