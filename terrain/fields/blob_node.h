@@ -30,7 +30,7 @@ class BlobNode : public Field
 public:
     /// Proved, over a box: values, gradients (one-sided ones included), curvature; `centre` is the value at the box's centre.
     virtual LocalField local(const Box3d& box) const = 0;
-    /// Proved: value(p) is not below this; cheap. Minus infinity where nothing is known.
+    /// Proved: value(p) is not below this; cheap, and 1-Lipschitz where it is not minus infinity: nothing is known there.
     virtual double lower_bound(const Vec3d&) const { return -kInfinity; }
     /// Adds what the surface is made of at a point of it.
     virtual void shares(const Vec3d& p, double weight, BlobShares& out) const = 0;

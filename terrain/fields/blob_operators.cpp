@@ -4,10 +4,11 @@
 // is
 //   m = -k ln(sum_i exp(-v_i / k)),   grad m = sum_i w_i grad v_i,   w_i = exp((m - v_i) / k),
 // the logarithm of densities that add up (Blinn1982): its gradient is a mean of the nodes', so its slope is at most theirs; it rises with each v, so
-// the nodes' ranges give its range; and it turns by at most what they turn and what mixing adds, Var(grad v) / k <= (D / 2)^2 / k with D the diagonal
-// of the box that holds their gradients. A node more than 36 k above the least weighs under a unit in the last place: it is left out, as are nodes
-// whose box is that far away (pruning changes no bit of a minimum). Noise adds its own bounds (math/noise.h). The tree is Wyvill1999's, with
-// distances for potentials. Missing: intersections of surfaces as edges of their own (creases are met by the certified march like all else).
+// the nodes' ranges give its range; and it turns by at most what they turn and what mixing adds, Var(grad v) / k: at most (D / 2)^2 / k with D the
+// diagonal of the box that holds their gradients, and at most the second moment about one node's gradient, with the weights the ranges allow. A node
+// more than 36 k above the least weighs under a unit in the last place: it is left out, as are nodes whose box is that far away (pruning changes no
+// bit of a minimum). Noise adds its own bounds (math/noise.h). The tree is Wyvill1999's, with distances for potentials. Missing: intersections of
+// surfaces as edges of their own (creases are met by the certified march like all else).
 #include "terrain/fields/blob_tree.h"
 
 #include "terrain/math/noise.h"
@@ -64,9 +65,16 @@ public:
 
     LocalField local(const Box3d& box) const override
     {
+        const Vec3d centre = box.center();
+        const double radius = 0.5 * box.size().length();
+        // The nearest first, so that the far ones need not be asked.
+        std::vector<std::pair<double, std::size_t>> order;
+        for (std::size_t n = 0; n < nodes_.size(); ++n) order.emplace_back(signs_[n] > 0.0 ? nodes_[n]->lower_bound(centre) - radius : -kInfinity, n);
+        std::stable_sort(order.begin(), order.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
         std::vector<LocalField> each;
         double highest = kInfinity;  // the least of the upper ends
-        for (std::size_t n = 0; n < nodes_.size(); ++n) {
+        for (const auto& [least, n] : order) {
+            if (least > highest + kCut * width_) break;
             LocalField own = nodes_[n]->local(box);
             if (signs_[n] < 0.0) {
                 own.value = -own.value;
@@ -152,10 +160,17 @@ private:
             many.resize(nodes_.size());
             v = many.data();
         }
-        double least = kInfinity;
+        // First what may be the nearest, so that most others need not be asked.
+        std::size_t first = 0;
+        double lowest = kInfinity;
         for (std::size_t n = 0; n < nodes_.size(); ++n) {
-            const bool far = signs_[n] > 0.0 && nodes_[n]->lower_bound(p) > least + kCut * width_;
-            v[n] = far ? kInfinity : signs_[n] * nodes_[n]->value(p);
+            v[n] = signs_[n] > 0.0 ? nodes_[n]->lower_bound(p) : -kInfinity;
+            if (v[n] < lowest) lowest = v[n], first = n;
+        }
+        double least = v[first] = signs_[first] * nodes_[first]->value(p);
+        for (std::size_t n = 0; n < nodes_.size(); ++n) {
+            if (n == first) continue;
+            v[n] = v[n] > least + kCut * width_ ? kInfinity : signs_[n] * nodes_[n]->value(p);
             least = std::min(least, v[n]);
         }
         return {v, least};
@@ -179,14 +194,36 @@ private:
             known.curvature = known.upright = kInfinity;
             return known;
         }
-        double lo = 0.0, hi = 0.0, spread = 0.0;
+        double lo = 0.0, hi = 0.0;
+        const LocalField* first = near.front();
         for (const LocalField* own : near) {
             lo += std::exp((least_lo - own->value.lo) / width_);
             hi += std::exp((least_hi - own->value.hi) / width_);
+            if (own->value.hi < first->value.hi) first = own;
         }
-        for (const Interval& g : known.gradient) spread += (g.hi - g.lo) * (g.hi - g.lo);
         known.value = {least_lo - width_ * std::log(lo) - 1e-12 * width_, least_hi - width_ * std::log(hi) + 1e-12 * width_};
-        known.curvature = known.upright = bend + 0.25 * spread / width_;
+
+        // grad m = g_1 + sum over the others of w_i (g_i - g_1), each w_i at most what the ranges allow; likewise the second moment about g_1.
+        std::array<Interval, 3> leaning = first->gradient;
+        double turn = std::max({first->curvature, first->mixed, first->upright});
+        for (const LocalField* own : near) {
+            if (own == first) continue;
+            const double most = std::min(1.0, std::exp((first->value.hi - own->value.lo) / width_));
+            if (most == 0.0) continue;  // even of an infinite difference
+            double apart = 0.0;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Interval difference = own->gradient[k] + -first->gradient[k];
+                leaning[k] = leaning[k] + Interval{std::min(0.0, most * difference.lo), std::max(0.0, most * difference.hi)};
+                apart += difference.magnitude() * difference.magnitude();
+            }
+            turn += most * (std::max({own->curvature, own->mixed, own->upright}) + apart / width_);
+        }
+        double spread = 0.0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            spread += (known.gradient[k].hi - known.gradient[k].lo) * (known.gradient[k].hi - known.gradient[k].lo);
+            known.gradient[k] = Interval::common(known.gradient[k], leaning[k]);
+        }
+        known.curvature = known.upright = std::min(turn, bend + 0.25 * spread / width_);
         return known;
     }
 

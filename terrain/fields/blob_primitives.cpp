@@ -103,6 +103,7 @@ private:
 struct Foot {
     Vec2d outward{0.0};     ///< unit, from the skeleton's rim to the point; 0 over the skeleton
     double distance = 0.0;  ///< in the plane; 0 over the skeleton
+    double rim = 0.0;       ///< over the skeleton: how far its rim is
 };
 
 class FlatPrimitive : public Primitive
@@ -118,8 +119,12 @@ public:
     Vec3d gradient(const Vec3d& p) const override { return sample(p).second; }
     LocalField local(const Box3d& box) const override
     {
-        const auto [value, gradient] = sample(box.center());
-        const double from_core = value - 0.5 * box.size().length() + radius_;
+        const Vec3d centre = box.center();
+        const auto [value, gradient] = sample(centre);
+        const double radius = 0.5 * box.size().length(), from_core = value - radius + radius_;
+        // Over the skeleton, on one side of it, the distance is the height: a plane's.
+        if (foot(in_plane(centre)).rim > radius && std::abs((centre - centre_).dot(normal_)) > radius)
+            return local_from_centre(box, value, gradient, 1.0, 0.0);
         return local_from_centre(box, value, gradient, 1.0, convex_ && from_core > 0.0 ? 1.0 / from_core : kInfinity);
     }
 
@@ -155,7 +160,7 @@ private:
     Foot foot(const Vec2d& q) const override
     {
         const double away = q.length();
-        return away > extent_ ? Foot{q / away, away - extent_} : Foot{};
+        return away > extent_ ? Foot{q / away, away - extent_, 0.0} : Foot{Vec2d(0.0), 0.0, extent_ - away};
     }
     double extent_;
 };
@@ -184,7 +189,8 @@ private:
             if (away.length2() < least) least = away.length2(), to = away;
         }
         const double distance = std::sqrt(least);
-        return inside || !(distance > 0.0) ? Foot{} : Foot{to / distance, distance};
+        if (inside) return {Vec2d(0.0), 0.0, distance};
+        return distance > 0.0 ? Foot{to / distance, distance, 0.0} : Foot{};
     }
     std::vector<Vec2d> corners_;
 };

@@ -18,28 +18,32 @@ namespace hoodoo
 namespace
 {
 
+/// Of a polygon's signed distance at a point.
 struct Flat {
-    double value;
+    double value;    ///< negative inside
     Vec2d gradient;  ///< unit, but 0 on the outline
+    double margin;   ///< as far as this around the point the same edge's line is the nearest part of the outline
 };
 
-/// Signed distance of a polygon, negative inside.
 Flat polygon_distance(const std::vector<Vec2d>& corners, const Vec2d& q)
 {
     bool inside = false;
-    double least = kInfinity;
+    double least = kInfinity, second = kInfinity, to_ends = 0.0;
     Vec2d to(0.0);
     for (std::size_t n = 0; n < corners.size(); ++n) {
         const Vec2d &a = corners[n], &b = corners[(n + 1) % corners.size()];
         if ((a.y > q.y) != (b.y > q.y) && q.x < a.x + (q.y - a.y) * (b.x - a.x) / (b.y - a.y)) inside = !inside;
         const Vec2d edge = b - a;
-        const double t = edge.length2() > 0.0 ? std::clamp((q - a).dot(edge) / edge.length2(), 0.0, 1.0) : 0.0;
+        const double length = edge.length(), t = length > 0.0 ? std::clamp((q - a).dot(edge) / (length * length), 0.0, 1.0) : 0.0;
         const Vec2d away = q - a - edge * t;
-        if (away.length2() < least) least = away.length2(), to = away;
+        const double distance = away.length();
+        second = std::min(second, std::max(distance, least));
+        if (distance < least) least = distance, to = away, to_ends = std::min(t, 1.0 - t) * length;
     }
-    const double distance = std::sqrt(least);
-    if (!(distance > 0.0)) return {0.0, Vec2d(0.0)};
-    return inside ? Flat{-distance, to / -distance} : Flat{distance, to / distance};
+    if (!(least > 0.0)) return {0.0, Vec2d(0.0), 0.0};
+    // Within the margin the foot stays on the edge, no other edge comes nearer, and the outline is not crossed.
+    const double margin = std::min({to_ends, 0.5 * (second - least), least});
+    return inside ? Flat{-least, to / -least, margin} : Flat{least, to / least, margin};
 }
 
 struct Prism {
@@ -47,6 +51,7 @@ struct Prism {
     Vec3d t, right, up;     ///< orthonormal
     Vec3d enter, leave;     ///< unit normals of the end planes, both outwards
     double sigma0, sigma1;  ///< scales at the ends
+    Box3d box;              ///< of its matter
 };
 
 class Sweep final : public BlobNode
@@ -57,40 +62,73 @@ public:
     {
     }
 
-    double value(const Vec3d& p) const override { return nearest(p).first; }
-    Vec3d gradient(const Vec3d& p) const override { return nearest(p).second; }
+    double value(const Vec3d& p) const override { return nearest(p).value; }
+    Vec3d gradient(const Vec3d& p) const override { return nearest(p).gradient; }
     LocalField local(const Box3d& box) const override
     {
-        const auto [value, gradient] = nearest(box.center());
-        return local_from_centre(box, value, gradient, slope_, kInfinity);
+        const Here here = nearest(box.center());
+        // Walls and ends are planes, as far as one of them is certainly the nearest.
+        return local_from_centre(box, here.value, here.gradient, slope_, here.margin > 0.5 * box.size().length() ? 0.0 : kInfinity);
     }
     void shares(const Vec3d&, double weight, BlobShares& out) const override { out.add(material_, weight); }
     bool paints() const override { return material_ != BlobShares::kNoSource; }
+    double lower_bound(const Vec3d& p) const override
+    {
+        const double away = distance_to_box(p, box_);
+        return away > 0.0 ? away : -kInfinity;
+    }
     Box3d bounds() const override { return box_; }
 
 private:
-    std::pair<double, Vec3d> in_prism(const Prism& prism, const Vec3d& p) const
+    struct Here {
+        double value;
+        Vec3d gradient;
+        double margin;  ///< as far as this around the point the function is linear
+    };
+
+    Here in_prism(const Prism& prism, const Vec3d& p) const
     {
         const Vec3d q = p - prism.from;
         const double length = (prism.to - prism.from).length(), s = q.dot(prism.t), grow = (prism.sigma1 - prism.sigma0) / length;
         const double sigma = prism.sigma0 + grow * std::clamp(s, 0.0, length);
         const Vec2d x(q.dot(prism.right) / sigma, q.dot(prism.up) / sigma);
         const Flat flat = polygon_distance(profile_, x);
-        std::pair<double, Vec3d> out{sigma * flat.value, prism.right * flat.gradient.x + prism.up * flat.gradient.y};
-        if (s > 0.0 && s < length) out.second += prism.t * ((flat.value - x.dot(flat.gradient)) * grow);
-        const double before = q.dot(prism.enter), after = (p - prism.to).dot(prism.leave);
-        if (before > out.first) out = {before, prism.enter};
-        if (after > out.first) out = {after, prism.leave};
-        return out;
+        Here wall{sigma * flat.value, prism.right * flat.gradient.x + prism.up * flat.gradient.y, 0.0};
+        if (s > 0.0 && s < length) wall.gradient += prism.t * ((flat.value - x.dot(flat.gradient)) * grow);
+        // A move of m changes q / sigma by at most m (1 + |x| |grow|) / sigma, with the smallest sigma there is.
+        const double reach = x.length() + flat.margin, least = std::min(prism.sigma0, prism.sigma1);
+        wall.margin = flat.margin * least / (1.0 + reach * std::abs(grow));
+        if (grow != 0.0) wall.margin = std::min({wall.margin, std::abs(s), std::abs(length - s)});
+        const Here enter{q.dot(prism.enter), prism.enter, kInfinity}, leave{(p - prism.to).dot(prism.leave), prism.leave, kInfinity};
+        std::array<Here, 3> parts{wall, enter, leave};
+        std::sort(parts.begin(), parts.end(), [](const Here& a, const Here& b) { return a.value > b.value; });
+        parts[0].margin = std::min(parts[0].margin, (parts[0].value - parts[1].value) / (2.0 * slope_));
+        return parts[0];
     }
 
-    std::pair<double, Vec3d> nearest(const Vec3d& p) const
+    Here nearest(const Vec3d& p) const
     {
-        std::pair<double, Vec3d> best{kInfinity, Vec3d(0.0)};
+        Here best{kInfinity, Vec3d(0.0), 0.0};
+        double second = kInfinity;
         for (const Prism& prism : prisms_) {
-            const auto here = in_prism(prism, p);
-            if (here.first < best.first) best = here;
+            // In air a prism is at least as far as its box, which its walls and planes alone would not say.
+            const Vec3d near(std::clamp(p.x, prism.box.min.x, prism.box.max.x), std::clamp(p.y, prism.box.min.y, prism.box.max.y),
+                             std::clamp(p.z, prism.box.min.z, prism.box.max.z));
+            const double away = (p - near).length();
+            if (away > 0.0 && away > best.value) {
+                second = std::min(second, away);
+                continue;
+            }
+            Here here = in_prism(prism, p);
+            // The box says nothing within itself; beyond, it may take over as soon as the two are near.
+            double inside = kInfinity;
+            for (int k = 0; k < 3; ++k) inside = std::min({inside, p[k] - prism.box.min[k], prism.box.max[k] - p[k]});
+            here.margin = std::min(here.margin, std::max(inside, 0.5 * (here.value - away) / slope_));
+            if (away > 0.0 && away > here.value) here = {away, (p - near) / away, 0.0};
+            second = std::min(second, std::max(here.value, best.value));
+            if (here.value < best.value) best = here;
         }
+        best.margin = std::min(best.margin, (second - best.value) / (2.0 * slope_));
         return best;
     }
 
@@ -116,7 +154,7 @@ BlobPtr blob_sweep(std::vector<Vec3d> points, std::vector<double> scales, std::v
     std::vector<Prism> prisms;
     Box3d all;
     for (std::size_t n = 0; n + 1 < points.size(); ++n) {
-        Prism prism{points[n], points[n + 1], (points[n + 1] - points[n]).normalized(), {}, {}, {}, {}, scales[n], scales[n + 1]};
+        Prism prism{points[n], points[n + 1], (points[n + 1] - points[n]).normalized(), {}, {}, {}, {}, scales[n], scales[n + 1], {}};
         if (n == 0) {
             const Vec3d wanted = std::abs(prism.t.z) < 0.999 ? Vec3d(0, 0, 1) : Vec3d(0, 1, 0);
             prism.up = (wanted - prism.t * wanted.dot(prism.t)).normalized();
@@ -133,7 +171,8 @@ BlobPtr blob_sweep(std::vector<Vec3d> points, std::vector<double> scales, std::v
         steepest = std::max(steepest, reach * std::abs(scales[n + 1] - scales[n]) / (points[n + 1] - points[n]).length());
         // A mitred corner lies reach / cos(half the turn) from the path: twice the reach at 120 degrees.
         const Vec3d around(2.0 * reach * std::max(scales[n], scales[n + 1]));
-        for (const Vec3d& end : {points[n], points[n + 1]}) all.extendBy(Box3d(end - around, end + around));
+        for (const Vec3d& end : {points[n], points[n + 1]}) prism.box.extendBy(Box3d(end - around, end + around));
+        all.extendBy(prism.box);
         prisms.push_back(prism);
     }
     return std::make_shared<Sweep>(std::move(prisms), std::move(profile), std::sqrt(1.0 + steepest * steepest), all, material);

@@ -6,6 +6,8 @@
 // A span of durations adds what the time derivative |g| |dPsi/dT| allows.
 #include "terrain/fields/warped_field.h"
 
+#include "terrain/fields/blob_node.h"
+
 #include <algorithm>
 
 namespace hoodoo
@@ -51,7 +53,11 @@ double LocalField::curvature_along(double curvature, double mixed, double uprigh
 }
 
 WarpedField::WarpedField(std::shared_ptr<const Field> base, Warp warp, double duration)
-    : base_(std::move(base)), inner_(dynamic_cast<const WarpedField*>(base_.get())), warp_(std::move(warp)), duration_(duration)
+    : base_(std::move(base)),
+      inner_(dynamic_cast<const WarpedField*>(base_.get())),
+      blob_(dynamic_cast<const BlobNode*>(base_.get())),
+      warp_(std::move(warp)),
+      duration_(duration)
 {
 }
 
@@ -64,6 +70,7 @@ Vec3d WarpedField::gradient(const Vec3d& p, double duration) const
 LocalField WarpedField::base_local(const Box3d& box) const
 {
     if (inner_) return inner_->local(box, {inner_->duration_, inner_->duration_});
+    if (blob_) return blob_->local(box);
     const double bend = base_->curvature_bound(box);
     return {base_->range(box), 0.0, base_->gradient_range(box), bend, 0.0, bend};
 }

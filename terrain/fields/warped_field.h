@@ -9,6 +9,8 @@
 namespace hoodoo
 {
 
+class BlobNode;
+
 /// What is known of a field over a box (and a span of durations).
 struct LocalField {
     Interval value{-kInfinity, kInfinity};
@@ -53,7 +55,8 @@ private:
     LocalField base_local(const Box3d& box) const;
 
     std::shared_ptr<const Field> base_;
-    const WarpedField* inner_;  ///< the base, if it is warped itself: it knows all about a box at once
+    const WarpedField* inner_;  ///< the base, if it is warped itself, or
+    const BlobNode* blob_;      ///< if it is a node: it knows all about a box at once
     Warp warp_;
     double duration_;
 };
