@@ -32,10 +32,8 @@ public:
     virtual LocalField local(const Box3d& box) const = 0;
     /// Proved: value(p) is not below this; cheap, and 1-Lipschitz where it is not minus infinity: nothing is known there.
     virtual double lower_bound(const Vec3d&) const { return -kInfinity; }
-    /// Adds what the surface is made of at a point of it.
+    /// Adds what the surface is made of at a point of it; kNoSource for what no scene gave a material: what it was carved out of shows there.
     virtual void shares(const Vec3d& p, double weight, BlobShares& out) const = 0;
-    /// Whether a scene gave it, or what it is made of, a material: what is carved by it then shows that one.
-    virtual bool paints() const = 0;
 
     double slope_bound(const Segment& segment) const override;
     Interval range(const Box3d& box) const override { return local(box).value; }

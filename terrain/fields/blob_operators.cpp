@@ -1,14 +1,13 @@
 // What combines nodes, bends them, roughens them, and what brings other terrains in.
 //
-// All three set operators are one minimum with signs: union min(v), intersection -min(-v), difference -min(-a, b, c ...). With a width k the minimum
-// is
-//   m = -k ln(sum_i exp(-v_i / k)),   grad m = sum_i w_i grad v_i,   w_i = exp((m - v_i) / k),
-// the logarithm of densities that add up (Blinn1982): its gradient is a mean of the nodes', so its slope is at most theirs; it rises with each v, so
-// the nodes' ranges give its range; and it turns by at most what they turn and what mixing adds, Var(grad v) / k: at most (D / 2)^2 / k with D the
-// diagonal of the box that holds their gradients, and at most the second moment about one node's gradient, with the weights the ranges allow. A node
-// more than 36 k above the least weighs under a unit in the last place: it is left out, as are nodes whose box is that far away (pruning changes no
-// bit of a minimum). Noise adds its own bounds (math/noise.h). The tree is Wyvill1999's, with distances for potentials. Missing: intersections of
-// surfaces as edges of their own (creases are met by the certified march like all else).
+// All three set operators are one minimum with signs: union min(v), intersection -min(-v), difference -min(-a, b, c ...). With a width k two values
+// become, where they are nearer than k to each other,
+//   m(a, b) = min(a, b) - (k - |a - b|)^2 / (4 k),   grad m = (1 - w) grad a + w grad b,   w = (1 + (a - b) / k) / 2 in [0, 1],
+// and more than two one after another, in the order of the scene. m is once continuously differentiable; its gradient is a mean of the nodes', so its
+// slope is at most theirs; it rises with each, so ranges give its range; it turns by at most what they turn and |grad a - grad b|^2 / (2 k). What
+// lies more than k above the least changes no bit and is not asked, if its box says so. Noise adds its own bounds (math/noise.h). The tree is
+// Wyvill1999's; there densities fall off with the distance and add up, here distances are blended, which keeps a unit, a slope of 1 and an end to
+// every influence. Missing: edges of intersections as objects of their own (creases are met by the certified march like all else).
 #include "terrain/fields/blob_tree.h"
 
 #include "terrain/math/noise.h"
@@ -16,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace hoodoo
 {
@@ -23,7 +23,43 @@ namespace hoodoo
 namespace
 {
 
-constexpr double kCut = 36.8;  // exp(-36.8) < 2^-53
+/// Two nodes' values in one.
+struct Joined {
+    double value, share;  ///< share: of the second
+};
+
+Joined join(double a, double b, double width)
+{
+    // What was left out is infinitely far.
+    if (a == kInfinity) return {b, 1.0};
+    if (b == kInfinity) return {a, 0.0};
+    const double apart = a - b;
+    if (apart >= width) return {b, 1.0};
+    if (apart <= -width) return {a, 0.0};
+    const double near = width - std::abs(apart);
+    return {std::min(a, b) - near * near / (4.0 * width), 0.5 + 0.5 * apart / width};
+}
+
+/// Two nodes' bounds in one; `centre` is left to the caller.
+LocalField join(const LocalField& a, const LocalField& b, double width)
+{
+    if (a.value.hi + width <= b.value.lo) return a;
+    if (b.value.hi + width <= a.value.lo) return b;
+    LocalField known = a;
+    known.value = {join(a.value.lo, b.value.lo, width).value, join(a.value.hi, b.value.hi, width).value};
+    known.mixed = 0.0;
+    const auto share = [&](double apart) { return width > 0.0 ? std::clamp(0.5 + 0.5 * apart / width, 0.0, 1.0) : apart > 0.0 ? 1.0 : 0.0; };
+    const Interval second{share(a.value.lo - b.value.hi), share(a.value.hi - b.value.lo)};
+    double apart = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Interval hull = Interval::hull(a.gradient[k], b.gradient[k]), difference = b.gradient[k] + -a.gradient[k];
+        known.gradient[k] = std::isfinite(difference.magnitude()) ? Interval::common(hull, a.gradient[k] + second * difference) : hull;
+        apart += difference.magnitude() * difference.magnitude();
+    }
+    const double bend = std::max({a.curvature, a.mixed, a.upright, b.curvature, b.mixed, b.upright});
+    known.curvature = known.upright = width > 0.0 ? bend + apart / (2.0 * width) : kInfinity;
+    return known;
+}
 
 class Combine final : public BlobNode
 {
@@ -37,65 +73,49 @@ public:
 
     double value(const Vec3d& p) const override
     {
-        std::array<double, kFew> few;
+        Few few;
         std::vector<double> many;
-        const auto [v, least] = values(p, few, many);
-        if (width_ == 0.0) return outer_ * least;
-        double sum = 0.0;
-        for (std::size_t n = 0; n < nodes_.size(); ++n) sum += weight(v[n] - least);
-        return outer_ * (least - width_ * std::log(sum));
+        const double* v = values(p, few, many);
+        double all = v[0];
+        for (std::size_t n = 1; n < nodes_.size(); ++n) all = join(all, v[n], width_).value;
+        return outer_ * all;
     }
 
     Vec3d gradient(const Vec3d& p) const override
     {
-        std::array<double, kFew> few;
-        std::vector<double> many;
-        const auto [v, least] = values(p, few, many);
         Vec3d g(0.0);
-        double sum = 0.0;
-        for (std::size_t n = 0; n < nodes_.size(); ++n) {
-            const double w = width_ == 0.0 ? (v[n] == least ? 1.0 : 0.0) : weight(v[n] - least);
-            if (w == 0.0) continue;
-            g += nodes_[n]->gradient(p) * (w * signs_[n]);
-            sum += w;
-            if (width_ == 0.0) break;  // one side of a crease
-        }
-        return g * (outer_ / sum);
+        each_share(p, [&](std::size_t n, double share) { g += nodes_[n]->gradient(p) * (share * signs_[n] * outer_); });
+        return g;
     }
 
     LocalField local(const Box3d& box) const override
     {
         const Vec3d centre = box.center();
         const double radius = 0.5 * box.size().length();
-        // The nearest first, so that the far ones need not be asked.
-        std::vector<std::pair<double, std::size_t>> order;
-        for (std::size_t n = 0; n < nodes_.size(); ++n) order.emplace_back(signs_[n] > 0.0 ? nodes_[n]->lower_bound(centre) - radius : -kInfinity, n);
-        std::stable_sort(order.begin(), order.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
-        std::vector<LocalField> each;
+        // What has the least lower bound first: most others need not be asked then.
+        std::vector<std::optional<LocalField>> each(nodes_.size());
+        std::vector<double> bounds(nodes_.size());
+        for (std::size_t n = 0; n < nodes_.size(); ++n) bounds[n] = signs_[n] > 0.0 ? nodes_[n]->lower_bound(centre) - radius : -kInfinity;
+        const auto first = static_cast<std::size_t>(std::min_element(bounds.begin(), bounds.end()) - bounds.begin());
         double highest = kInfinity;  // the least of the upper ends
-        for (const auto& [least, n] : order) {
-            if (least > highest + kCut * width_) break;
+        const auto ask = [&](std::size_t n) {
+            if (each[n] || bounds[n] > highest + width_) return;
             LocalField own = nodes_[n]->local(box);
-            if (signs_[n] < 0.0) {
-                own.value = -own.value;
-                for (Interval& g : own.gradient) g = -g;
-                own.centre = -own.centre;
-            }
+            if (signs_[n] < 0.0) negate(own);
             highest = std::min(highest, own.value.hi);
-            each.push_back(own);
+            each[n] = own;
+        };
+        ask(first);
+        for (std::size_t n = 0; n < nodes_.size(); ++n) ask(n);
+        std::optional<LocalField> known;
+        for (const auto& own : each) {
+            if (own) known = known ? join(*known, *own, width_) : *own;
         }
-        std::vector<const LocalField*> near;
-        for (const LocalField& own : each)
-            if (own.value.lo <= highest + kCut * width_) near.push_back(&own);
-        LocalField known = mixed(near);
-        known.centre = outer_ * value(box.center());
-        if (width_ > 0.0) narrow_by_gradient(box, gradient(box.center()) * outer_, known);
-        if (outer_ < 0.0) {
-            known.value = -known.value;
-            known.centre = -known.centre;
-            for (Interval& g : known.gradient) g = -g;
-        }
-        return known;
+        known->centre = outer_ * value(centre);
+        if (width_ > 0.0 && std::isfinite(known->curvature)) narrow_by_gradient(box, gradient(centre) * outer_, *known);
+        known->value = {known->value.lo - 1e-12 * width_, known->value.hi + 1e-12 * width_};
+        if (outer_ < 0.0) negate(*known);
+        return *known;
     }
 
     double lower_bound(const Vec3d& p) const override
@@ -103,7 +123,7 @@ public:
         if (what_ == BlobOperator::unite) {
             double least = kInfinity;
             for (const BlobPtr& node : nodes_) least = std::min(least, node->lower_bound(p));
-            return least - width_ * std::log(static_cast<double>(nodes_.size()));
+            return least - bulge();
         }
         double most = nodes_[0]->lower_bound(p);
         if (what_ == BlobOperator::intersect)
@@ -111,25 +131,22 @@ public:
         return most;
     }
 
-    void shares(const Vec3d& p, double weight_here, BlobShares& out) const override
+    void shares(const Vec3d& p, double weight, BlobShares& out) const override
     {
-        std::array<double, kFew> few;
-        std::vector<double> many;
-        const auto [v, least] = values(p, few, many);
-        double sum = 0.0;
-        for (std::size_t n = 0; n < nodes_.size(); ++n) sum += share(v[n], least);
-        for (std::size_t n = 0; n < nodes_.size(); ++n) {
-            const double w = share(v[n], least) / sum * weight_here;
-            if (w < 1e-4 * weight_here) continue;
-            // What carves shows what is carved, unless it was given a material.
-            const bool carved = what_ == BlobOperator::subtract && n > 0 && !nodes_[n]->paints();
-            nodes_[carved ? 0 : n]->shares(p, w, out);
-        }
-    }
-
-    bool paints() const override
-    {
-        return std::any_of(nodes_.begin(), nodes_.end(), [](const BlobPtr& node) { return node->paints(); });
+        each_share(p, [&](std::size_t n, double share) {
+            if (share < 1e-4) return;
+            if (what_ != BlobOperator::subtract || n == 0) return nodes_[n]->shares(p, share * weight, out);
+            // What carves shows what is carved, but where it was given a material.
+            BlobShares cut;
+            nodes_[n]->shares(p, share * weight, cut);
+            for (const BlobShares::Share& s : cut.list) {
+                if (s.source == BlobShares::kNoSource) {
+                    nodes_[0]->shares(p, s.weight, out);
+                } else {
+                    out.add(s.source, s.weight);
+                }
+            }
+        });
     }
 
     Box3d bounds() const override
@@ -141,90 +158,64 @@ public:
             if (what_ == BlobOperator::intersect)
                 for (int k = 0; k < 3; ++k) box.min[k] = std::max(box.min[k], other.min[k]), box.max[k] = std::min(box.max[k], other.max[k]);
         }
-        // A filled edge bulges by at most this.
-        const double bulge = what_ == BlobOperator::unite ? width_ * std::log(static_cast<double>(nodes_.size())) : 0.0;
-        return {box.min - Vec3d(bulge), box.max + Vec3d(bulge)};
+        const double more = what_ == BlobOperator::unite ? bulge() : 0.0;
+        return {box.min - Vec3d(more), box.max + Vec3d(more)};
     }
 
 private:
-    static constexpr std::size_t kFew = 16;
+    using Few = std::array<double, 16>;
 
-    double weight(double above) const { return above > kCut * width_ ? 0.0 : std::exp(-above / width_); }
-    double share(double v, double least) const { return width_ == 0.0 ? (v == least ? 1.0 : 0.0) : weight(v - least); }
+    static void negate(LocalField& f)
+    {
+        f.value = -f.value;
+        f.centre = -f.centre;
+        for (Interval& g : f.gradient) g = -g;
+    }
 
-    /// The nodes' values with their signs, or infinity where a node is certainly too far above the least to count; and the least.
-    std::pair<const double*, double> values(const Vec3d& p, std::array<double, kFew>& few, std::vector<double>& many) const
+    /// How far below the minimum n values can come: each joining takes a quarter of the width at most, where they are equal.
+    double bulge() const { return 0.25 * width_ * static_cast<double>(nodes_.size() - 1); }
+
+    /// The nodes' values with their signs, or infinity where a node is certainly too far above the least to count.
+    const double* values(const Vec3d& p, Few& few, std::vector<double>& many) const
     {
         double* v = few.data();
-        if (nodes_.size() > kFew) {
+        if (nodes_.size() > few.size()) {
             many.resize(nodes_.size());
             v = many.data();
         }
-        // First what may be the nearest, so that most others need not be asked.
-        std::size_t first = 0;
-        double lowest = kInfinity;
-        for (std::size_t n = 0; n < nodes_.size(); ++n) {
-            v[n] = signs_[n] > 0.0 ? nodes_[n]->lower_bound(p) : -kInfinity;
-            if (v[n] < lowest) lowest = v[n], first = n;
-        }
+        for (std::size_t n = 0; n < nodes_.size(); ++n) v[n] = signs_[n] > 0.0 ? nodes_[n]->lower_bound(p) : -kInfinity;
+        const auto first = static_cast<std::size_t>(std::min_element(v, v + nodes_.size()) - v);
         double least = v[first] = signs_[first] * nodes_[first]->value(p);
         for (std::size_t n = 0; n < nodes_.size(); ++n) {
             if (n == first) continue;
-            v[n] = v[n] > least + kCut * width_ ? kInfinity : signs_[n] * nodes_[n]->value(p);
+            v[n] = v[n] > least + width_ ? kInfinity : signs_[n] * nodes_[n]->value(p);
             least = std::min(least, v[n]);
         }
-        return {v, least};
+        return v;
     }
 
-    /// Bounds of the minimum of nodes of which each can be the least, or near it.
-    LocalField mixed(const std::vector<const LocalField*>& near) const
+    /// visit(n, share) for the nodes that the value at p is made of; shares sum to 1.
+    template <class Visit>
+    void each_share(const Vec3d& p, const Visit& visit) const
     {
-        LocalField known = *near.front();
-        double least_lo = kInfinity, least_hi = kInfinity, bend = 0.0;
-        for (const LocalField* own : near) {
-            for (std::size_t k = 0; k < 3; ++k) known.gradient[k] = Interval::hull(known.gradient[k], own->gradient[k]);
-            least_lo = std::min(least_lo, own->value.lo);
-            least_hi = std::min(least_hi, own->value.hi);
-            bend = std::max({bend, own->curvature, own->mixed, own->upright});
+        Few few, share_of_few;
+        std::vector<double> many, shares_of_many;
+        const double* v = values(p, few, many);
+        double* share = share_of_few.data();
+        if (nodes_.size() > few.size()) {
+            shares_of_many.resize(nodes_.size());
+            share = shares_of_many.data();
         }
-        known.value = {least_lo, least_hi};
-        if (near.size() == 1) return known;
-        known.mixed = 0.0;
-        if (width_ == 0.0) {
-            known.curvature = known.upright = kInfinity;
-            return known;
+        double all = v[0];
+        share[0] = 1.0;
+        for (std::size_t n = 1; n < nodes_.size(); ++n) {
+            const Joined joined = join(all, v[n], width_);
+            for (std::size_t m = 0; m < n; ++m) share[m] *= 1.0 - joined.share;
+            share[n] = joined.share;
+            all = joined.value;
         }
-        double lo = 0.0, hi = 0.0;
-        const LocalField* first = near.front();
-        for (const LocalField* own : near) {
-            lo += std::exp((least_lo - own->value.lo) / width_);
-            hi += std::exp((least_hi - own->value.hi) / width_);
-            if (own->value.hi < first->value.hi) first = own;
-        }
-        known.value = {least_lo - width_ * std::log(lo) - 1e-12 * width_, least_hi - width_ * std::log(hi) + 1e-12 * width_};
-
-        // grad m = g_1 + sum over the others of w_i (g_i - g_1), each w_i at most what the ranges allow; likewise the second moment about g_1.
-        std::array<Interval, 3> leaning = first->gradient;
-        double turn = std::max({first->curvature, first->mixed, first->upright});
-        for (const LocalField* own : near) {
-            if (own == first) continue;
-            const double most = std::min(1.0, std::exp((first->value.hi - own->value.lo) / width_));
-            if (most == 0.0) continue;  // even of an infinite difference
-            double apart = 0.0;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const Interval difference = own->gradient[k] + -first->gradient[k];
-                leaning[k] = leaning[k] + Interval{std::min(0.0, most * difference.lo), std::max(0.0, most * difference.hi)};
-                apart += difference.magnitude() * difference.magnitude();
-            }
-            turn += most * (std::max({own->curvature, own->mixed, own->upright}) + apart / width_);
-        }
-        double spread = 0.0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            spread += (known.gradient[k].hi - known.gradient[k].lo) * (known.gradient[k].hi - known.gradient[k].lo);
-            known.gradient[k] = Interval::common(known.gradient[k], leaning[k]);
-        }
-        known.curvature = known.upright = std::min(turn, bend + 0.25 * spread / width_);
-        return known;
+        for (std::size_t n = 0; n < nodes_.size(); ++n)
+            if (share[n] > 0.0) visit(n, share[n]);
     }
 
     BlobOperator what_;
@@ -244,7 +235,6 @@ public:
     {
         node_->shares(field_.warp().inverse(p, field_.duration()), weight, out);
     }
-    bool paints() const override { return node_->paints(); }
     Box3d bounds() const override { return field_.bounds(); }
 
 private:
@@ -283,7 +273,6 @@ public:
     }
     double lower_bound(const Vec3d& p) const override { return node_->lower_bound(p) - n_.amplitude; }
     void shares(const Vec3d& p, double weight, BlobShares& out) const override { node_->shares(p, weight, out); }
-    bool paints() const override { return node_->paints(); }
     Box3d bounds() const override
     {
         const Box3d box = node_->bounds();
@@ -319,7 +308,6 @@ public:
         return known;
     }
     void shares(const Vec3d&, double weight, BlobShares& out) const override { out.add(BlobShares::kTerrain + number_, weight); }
-    bool paints() const override { return true; }
     Box3d bounds() const override { return box_; }
 
 private:

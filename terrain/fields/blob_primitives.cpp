@@ -30,7 +30,6 @@ public:
         return away > 0.0 ? away : -kInfinity;
     }
     void shares(const Vec3d&, double weight, BlobShares& out) const override { out.add(material_, weight); }
-    bool paints() const override { return material_ != BlobShares::kNoSource; }
     Box3d bounds() const override { return box_; }
 
 private:

@@ -71,7 +71,6 @@ public:
         return local_from_centre(box, here.value, here.gradient, slope_, here.margin > 0.5 * box.size().length() ? 0.0 : kInfinity);
     }
     void shares(const Vec3d&, double weight, BlobShares& out) const override { out.add(material_, weight); }
-    bool paints() const override { return material_ != BlobShares::kNoSource; }
     double lower_bound(const Vec3d& p) const override
     {
         const double away = distance_to_box(p, box_);

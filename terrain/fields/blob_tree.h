@@ -31,9 +31,8 @@ BlobPtr blob_sweep(std::vector<Vec3d> points, std::vector<double> scales, std::v
 
 enum class BlobOperator { unite, intersect, subtract };
 
-/// min, max, or max(first, -others). With a width above 0 the edge between two of them is filled: instead of the minimum of values v
-/// -width ln(sum exp(-v / width)) (densities that add up as in Blinn1982), which is smooth, below the minimum by at most width ln n, and equal to it
-/// where one is nearer than the others by a few widths. At least one node.
+/// min, max, or max(first, -others). With a width above 0 (metres) the edge where two values are nearer than it to each other is filled by a
+/// parabola: the minimum of two comes out at most width / 4 lower, and is smooth. Nothing has influence beyond the width. At least one node.
 BlobPtr blob_combine(BlobOperator what, std::vector<BlobPtr> nodes, double width);
 
 /// A node carried along a flow (Gamito2001; Wyvill1999 calls it a warp).

@@ -1,5 +1,5 @@
 // A blob tree as a terrain: what is built of skeletons, and what they carve out of any terrain that has a field: cliffs, overhangs, caves.
-// Wyvill1999 for the tree, Blinn1982 for the blends, Galin2020 for tracing by bounds of the slope over a segment: patches are boxes with a proved
+// Wyvill1999 for the tree, Galin2020 for tracing by bounds of the slope over a segment: patches are boxes with a proved
 // zero (march/field_patches.h), and a ray in one is halved until slopes or curvatures over its pieces prove that nothing was missed. A point shows
 // the material of the node whose surface it is; what is carved by a node without a material shows what it was carved out of. Where a terrain shows,
 // it keeps its own looks, shading normal included. What is traced is the tree's own box; a terrain without an end is cut off at the sides of its

@@ -21,7 +21,8 @@ namespace hoodoo
 namespace
 {
 
-constexpr int kPiecesOfSpan = 8;  // of a smooth curve between two of its points
+constexpr int kPiecesOfSpan = 8;      // at least, of a smooth curve between the two of its points that are nearest to each other
+constexpr double kStraight = 0.9997;  // the cosine of 1.4 degrees: what the chord of a piece may turn by before a new piece begins
 
 Parameter length(const std::string& name, const std::string& doc)
 {
@@ -44,7 +45,7 @@ Parameter width(bool required)
 {
     Parameter p{.name = "width",
                 .type = ParameterType::length,
-                .doc = "How wide edges between them are filled; by width times ln 2 where two meet.",
+                .doc = "How wide edges between them are filled, or rounded off; by a quarter of it where two meet.",
                 .unit = "m",
                 .minimum = 0};
     if (required) {
@@ -100,10 +101,14 @@ Path path_of(const Values& v, const std::string& along)
     }
     const std::vector<double> given = path.values;
     path = {};
-    for (const SkeletonStep& step : arc_steps(skeleton, 0, shortest / kPiecesOfSpan, true)) {
-        const auto k = static_cast<std::size_t>(std::min(std::floor(step.node), static_cast<double>(points.size() - 2)));
-        const double u = step.node - static_cast<double>(k);
-        path.points.push_back(step.at);
+    const SkeletonPath steps = arc_steps(skeleton, 0, shortest / kPiecesOfSpan, true);
+    for (std::size_t n = 0; n < steps.size(); ++n) {
+        const auto k = static_cast<std::size_t>(std::min(std::floor(steps[n].node), static_cast<double>(points.size() - 2)));
+        const double u = steps[n].node - static_cast<double>(k);
+        // Straight stretches need no steps; where the curve's own points are, its values may bend.
+        const bool own = u == 0.0 || n + 1 == steps.size();
+        if (!own && (steps[n + 1].at - path.points.back()).normalized().dot((steps[n].at - path.points.back()).normalized()) > kStraight) continue;
+        path.points.push_back(steps[n].at);
         path.values.push_back(given[k] * (1.0 - u) + given[k + 1] * u);
     }
     return path;
