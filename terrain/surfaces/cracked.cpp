@@ -1,16 +1,17 @@
 // Dry ground: any terrain that is a height, torn along the borders of a Voronoi diagram (Li2023), traced as it is: exact walls, no mesh, no grid.
 //
-// n sites are drawn in the rectangle `region`, and some around it; the ground within width / 2 of a border between their cells is lowered to h' = (1
-// - kappa iota(h)) h (fields/crack_network.h), where h is the elevation between `zero` (h = 0) and `one` (h = 1). How it is met by rays:
+// n sites are drawn in the rectangle `region`, and some around it; the ground within width / 2 of a border between their cells is lowered to
+// h' = (1 - kappa iota(h)) h (fields/crack_network.h), where h is the elevation between `zero` (h = 0) and `one` (h = 1). How rays meet it:
 // march/cracked_patches.cpp. Units: the paper gives heights in [0, 1] and lambda = 0.1 without saying of what. As a width in the unit square it would
 // tear 98 % of the ground with the paper's own n = 200; here the width is lambda times the mean spacing of the sites, sqrt(area / n), which
-// tears 18.3 to 18.8 % for n = 100 to 800. Where a wall, a floor and the ground between cracks meet, the material follows: `inside` on walls and
-// floors, `above` beyond the border line. Deviations: sites may be even (the paper's are random); the shape ends at the region. Missing: meshes,
-// stacks and warped terrains as ground (a stack has cracks as an edit tool); soft edges; level of detail.
+// tears 18.3 to 18.8 % for n = 100 to 800. Materials follow: `inside` on walls and floors, `above` beyond the border line. Layers as ground are the
+// tops of their columns (column_ground.h). Deviations: sites may be even (the paper's are random); the shape ends at the region. Missing: meshes and
+// warped terrains as ground; soft edges; level of detail.
 #include "terrain/surfaces/cracked.h"
 
 #include "terrain/error.h"
 #include "terrain/math/hash.h"
+#include "terrain/surfaces/column_ground.h"
 #include "terrain/surfaces/refine.h"
 #include "terrain/surfaces/rows.h"
 
@@ -147,6 +148,14 @@ double extreme(const Height& height, const Box2d& area, double sign, double tole
     return best;
 }
 
+/// What may stand in a [[ground]] table: heights, and layers by the tops of their columns.
+std::vector<CatalogueEntry> ground_rows()
+{
+    std::vector<CatalogueEntry> rows = height_rows();
+    rows.push_back(convolution_row());
+    return rows;
+}
+
 std::shared_ptr<const Surface> ground_of(const Values& values, const BuildContext& context)
 {
     const bool named = values.has("base"), inline_ground = !values.tables("ground").empty();
@@ -163,8 +172,13 @@ std::shared_ptr<const Surface> ground_of(const Values& values, const BuildContex
         const Values& ground = values.tables("ground")[0];
         BuildContext inner = context;
         inner.seed = hash_name(context.seed, "ground");
-        for (const CatalogueEntry& row : height_rows())
-            if (row.name == ground.variant()) base = std::move(std::get<std::unique_ptr<Surface>>(row.make(ground, inner)));
+        for (const CatalogueEntry& row : ground_rows()) {
+            if (row.name != ground.variant()) continue;
+            if (row.stack)
+                base = std::make_shared<ColumnGround>(*row.stack(ground, inner));
+            else
+                base = std::move(std::get<std::unique_ptr<Surface>>(row.make(ground, inner)));
+        }
     }
     if (!base->height())
         throw values.problem(key, "this terrain cannot be cracked: it is no height over the plane", "a terrain such as heightfield or elevation",
@@ -235,7 +249,7 @@ Shape make_cracked(const Values& values, const BuildContext& context)
 std::vector<Schema> ground_schemas()
 {
     std::vector<Schema> schemas;
-    for (const CatalogueEntry& row : height_rows()) schemas.push_back(row.schema);
+    for (const CatalogueEntry& row : ground_rows()) schemas.push_back(row.schema);
     return schemas;
 }
 
@@ -253,7 +267,8 @@ CatalogueEntry cracked_row()
         {.name = "base", .type = ParameterType::text, .doc = "Name of the terrain that is cracked."},
         {.name = "ground",
          .type = ParameterType::tables,
-         .doc = "The ground itself, instead of a base: one table, whose `type` is a terrain with a height.",
+         .doc = "The ground itself, instead of a base: one table, whose `type` is a terrain with a height; of layers (convolution) the tops of "
+                "their columns.",
          .max_count = 1,
          .discriminator = "type",
          .items = ground_schemas()},

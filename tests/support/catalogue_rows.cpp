@@ -262,6 +262,15 @@ const std::vector<RowInstance>& row_instances()
          [](const Vec3d& s) {
              return fmt::format("base = {}\nsize = [3.4, 3.0, 1.6]\nrocks_per_tile = 12\nrock_detail = 3\nform = \"bed\"\n", vector_text(s));
          }},
+        {"cracked", "cracked_layers",
+         [](const Vec3d& s) {
+             return fmt::format(
+                 "n = 40\nlambda = 0.25\npatch = 0.5\nzero = {:.17g}\none = {:.17g}\n[[ground]]\ntype = \"convolution\"\ncolumns = [40, 36]\ncell = "
+                 "0.25\n"
+                 "unit = 0.015625\norigin = {}\n[[ground.layer]]\nshape = \"flat\"\ntop = 3.0\n",
+                 s.z, s.z + 10.0, vector_text(s));
+         },
+         0.9},
         {"cracked", "cracked_plane",
          [](const Vec3d& s) {
              return fmt::format(
