@@ -43,9 +43,10 @@ private:
 };
 
 /// The law, and its mutant: the same density with a ripple of one percent, which the test must see.
-void expect_law_and_mutant(const Chart& chart, const Sample& sample, const Density& density, int rows, int columns, int fine)
+void expect_law_and_mutant(const Chart& chart, const Sample& sample, const Density& density, int rows, int columns, int fine,
+                           int samples = testing::count(5000000, 20000000))
 {
-    const testing::DirectionCounts counts(chart, sample, rows, columns, testing::count(5000000, 20000000), 1);
+    const testing::DirectionCounts counts(chart, sample, rows, columns, samples, 1);
     const auto good = counts.against(density, fine);
     EXPECT_TRUE(good.holds()) << "p " << good.p_value << ", integral " << good.integral << ", outside " << good.outside;
 
@@ -116,7 +117,7 @@ TEST(Sampling, the_phase_functions_mean_cosine_is_its_asymmetry)
 }
 
 /// Samples that took one facet; the share of the others is counted apart and must be what the density leaves.
-void expect_facets(double eta, double roughness, double angle)
+void expect_facets(double eta, double roughness, double angle, int samples = testing::count(5000000, 20000000))
 {
     const Vec3d n(0, 0, 1), wo = tilted(angle, 1.0);
     const Dielectric boundary(n, n, eta, roughness);
@@ -134,7 +135,7 @@ void expect_facets(double eta, double roughness, double angle)
             while (one.stray) one = draw(r);
             return one.direction;
         },
-        [&](const Vec3d& w) { return boundary.evaluate(wo, w).pdf / share; }, 16, 10, 60);
+        [&](const Vec3d& w) { return boundary.evaluate(wo, w).pdf / share; }, 16, 10, 60, samples);
 }
 
 TEST(Sampling, facets_follow_their_density)
@@ -143,7 +144,8 @@ TEST(Sampling, facets_follow_their_density)
 }
 TEST(Sampling, facets_at_a_grazing_angle_follow_their_density)
 {
-    expect_facets(1.333, 0.3, 1.2);
+    // More samples than elsewhere: they crowd in few cells, where the ripple of the mutant partly cancels.
+    expect_facets(1.333, 0.3, 1.35, testing::count(10000000, 20000000));
 }
 TEST(Sampling, facets_from_within_follow_their_density)
 {
