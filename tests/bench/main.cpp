@@ -21,7 +21,8 @@ int main(int argc, char** argv)
     const std::map<std::string, std::function<nlohmann::json(bool)>> benchmarks{
         {"edit", edit_benchmark},   {"height", [&](bool usual) { return height_benchmark(usual, largest); }},
         {"path", path_benchmark},   {"rocks", rocks_benchmark},
-        {"trace", trace_benchmark}, {"warp", warp_benchmark},   {"wave", wave_benchmark},
+        {"trace", trace_benchmark}, {"warp", warp_benchmark},
+        {"wave", wave_benchmark},
     };
     std::string name;
     for (int i = 1; i < argc; ++i) {
