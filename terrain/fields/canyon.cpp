@@ -21,7 +21,6 @@ namespace
 {
 
 constexpr double kBlend = 0.05;  ///< of the sediment's upper edge, a share of the height
-constexpr double kNoise1Curve = 7.5;
 
 double length2(double x, double y)
 {
@@ -84,15 +83,16 @@ CanyonProfile::Range CanyonProfile::over(const Box3d& box) const
     for (int k = 0; k < shape_.octaves; ++k, a *= 0.5, f *= 2.0) {
         const Interval w{weight(k, far.hi, nullptr), weight(k, far.lo, nullptr)};
         if (w.hi == 0.0) break;
-        const Noise1 n = gradient_noise(f * middle + 17.3 * k, shape_.profile_seed + static_cast<std::uint32_t>(k));
-        const double reach = f * half, bend = kNoise1Curve * reach;
+        const std::uint32_t seed = shape_.profile_seed + static_cast<std::uint32_t>(k);
+        const double curve = noise_curve_bound(f * z0 + 17.3 * k, f * z1 + 17.3 * k, seed), reach = f * half, bend = curve * reach;
+        const Noise1 n = gradient_noise(f * middle + 17.3 * k, seed);
         const Interval slope{std::max(n.slope - bend, -kNoise1Bound.slope), std::min(n.slope + bend, kNoise1Bound.slope)};
         const double rise = std::min(slope.magnitude(), std::abs(n.slope) + 0.5 * bend) * reach;
         const Interval value{std::max(n.value - rise, -kNoise1Bound.value), std::min(n.value + rise, kNoise1Bound.value)};
         const Interval t = Interval::hull(value.scaled(w.lo), value.scaled(w.hi)), d = Interval::hull(slope.scaled(w.lo), slope.scaled(w.hi));
         r.t = r.t + t.scaled(a);
         r.by_height = r.by_height + d.scaled(a * f / shape_.height);
-        r.upright += w.hi * a * f * f * kNoise1Curve / (shape_.height * shape_.height);
+        r.upright += w.hi * a * f * f * curve / (shape_.height * shape_.height);
         if (!shape_.view || w.lo == 1.0) continue;
         // |w'| <= 1.5 s, |w''| <= 6 s^2 with s the inverse of the fade's width, which begins at the distance 1 / s.
         const double s = shape_.view->spread * f * 4.0 / shape_.height;
@@ -256,7 +256,9 @@ LocalField CanyonWall::local(const Box3d& box) const
     Vec2d g;
     const double n = noise(Vec2d(b.image.x, b.image.y), &g);
     // In metres: w n has the gradient g and the Hessian H / w.
-    const double bend = kNoise2Derivatives.hessian / w, steepest = std::min(kNoise2Derivatives.slope, g.length() + bend * image);
+    const Vec2d at(b.image.x - shape_.origin.x, b.image.y - shape_.origin.y), by(b.half_image.x, b.half_image.y);
+    const NoiseDerivativeBound near = noise_bound(Imath::Box2d((at - by) * (1.0 / w), (at + by) * (1.0 / w)), shape_.seed);
+    const double bend = near.hessian / w, steepest = std::min(near.slope, g.length() + bend * image);
     const double across = bend * b.all.x * b.all.x + steepest * b.all.xx;
     const double by_time = steepest * b.all.h;  // |d(wF) / d(wT)|
     const double mixed = bend * b.all.x * b.all.h + steepest * b.all.xh, timed = bend * b.all.h * b.all.h + steepest * b.all.hh;

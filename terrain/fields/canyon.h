@@ -75,7 +75,7 @@ public:
     LocalField local(const Box3d& box) const;
     /// Makes values() of points in the box fast.
     void prepare(const Box3d& domain);
-    /// value() of sixteen points, within 1e-12 cells.
+    /// value() of eight points, within 1e-12 cells.
     void values(const Vec3d (&p)[CanyonLanes::count], double* out) const;
     /// For the paper's mode: the point in the undeformed plan (its height kept), and the wall there.
     Vec3d inverse(const Vec3d& p) const;

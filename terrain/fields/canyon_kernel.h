@@ -1,4 +1,4 @@
-// The canyon's walls at sixteen points at once: the profile, the way back along the flow and the noise there, in SIMD lanes.
+// The canyon's walls at eight points at once: the profile, the way back along the flow and the noise there, in SIMD lanes.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace hoodoo
 
 /// What the lanes need, in cells of the plan and shares of the height.
 struct CanyonLanes {
-    static constexpr int count = 16;
+    static constexpr int count = 8;
 
     // Gradients of the noise at lattice points x0 <= x < x0 + nx, row by row.
     std::vector<double> gradient_x, gradient_y;
@@ -29,7 +29,7 @@ struct CanyonLanes {
     double z_lo = 0.0, z_hi = 0.0;  ///< the octaves know T in between
 };
 
-/// Of sixteen points: place in the plan (cells), height (a share) and distance from the eye (cells).
+/// Of eight points: place in the plan (cells), height (a share) and distance from the eye (cells).
 struct CanyonPoints {
     alignas(64) double x[CanyonLanes::count], y[CanyonLanes::count], z[CanyonLanes::count], distance[CanyonLanes::count];
 };

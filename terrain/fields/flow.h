@@ -28,6 +28,12 @@ struct Carried {
     Matrix3d jacobian;
 };
 
+/// A velocity and its derivative.
+struct Motion {
+    Vec3d velocity{0.0};
+    Matrix3d gradient;
+};
+
 /// A velocity field v(p, t), Lipschitz in p: then no two paths meet, and what is carried keeps its topology. Pure and thread-safe. "Time" is the
 /// amount of warping, not the time of an animation; metres a unit of it.
 class Flow
@@ -37,6 +43,8 @@ public:
     virtual Vec3d velocity(const Vec3d& p, double t) const = 0;
     /// Dv at p; one-sided where it jumps.
     virtual Matrix3d gradient(const Vec3d& p, double t) const = 0;
+    /// Both at once; the velocity is velocity() but for rounding.
+    virtual Motion motion(const Vec3d& p, double t) const { return {velocity(p, t), gradient(p, t)}; }
     /// Proved, over all points of the box and all times of the span.
     virtual FlowBound bound(const Box3d& box, const Interval& times) const = 0;
 

@@ -25,14 +25,16 @@ public:
         const Noise2 n = gradient_noise(place(p), seed_);
         return {n.gradient.x, n.gradient.y, 0.0};
     }
-    Matrix3d gradient(const Vec3d& p, double) const override
+    Matrix3d gradient(const Vec3d& p, double t) const override { return motion(p, t).gradient; }
+    Motion motion(const Vec3d& p, double) const override
     {
         const NoiseJet2 n = noise_jet(place(p), seed_);
-        return Matrix3d(n.xx, n.xy, 0.0, n.xy, n.yy, 0.0, 0.0, 0.0, 0.0) * (1.0 / wavelength_);
+        return {{n.gradient.x, n.gradient.y, 0.0}, Matrix3d(n.xx, n.xy, 0.0, n.xy, n.yy, 0.0, 0.0, 0.0, 0.0) * (1.0 / wavelength_)};
     }
-    FlowBound bound(const Box3d&, const Interval&) const override
+    FlowBound bound(const Box3d& box, const Interval&) const override
     {
-        return {kNoise2Derivatives.slope, kNoise2Derivatives.hessian / wavelength_, kNoise2Derivatives.third / (wavelength_ * wavelength_), 0.0};
+        const NoiseDerivativeBound n = noise_bound(Imath::Box2d(place(box.min), place(box.max)), seed_);
+        return {n.slope, n.hessian / wavelength_, n.third / (wavelength_ * wavelength_), 0.0};
     }
 
 private:

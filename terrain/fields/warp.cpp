@@ -68,14 +68,18 @@ Warp::Warp(FlowPtr flow, double longest, double usual) : flow_(std::move(flow)),
 Carried Warp::step(const Carried& at, double t, double h, Stage (&stages)[4]) const
 {
     const Matrix3d& j = at.jacobian;
-    const Vec3d k1 = flow_->velocity(at.point, t), y2 = at.point + k1 * (0.5 * h);
-    const Vec3d k2 = flow_->velocity(y2, t + 0.5 * h), y3 = at.point + k2 * (0.5 * h);
-    const Vec3d k3 = flow_->velocity(y3, t + 0.5 * h), y4 = at.point + k3 * h;
-    const Vec3d k4 = flow_->velocity(y4, t + h);
-    stages[0] = {at.point, k1.length(), flow_->gradient(at.point, t)};
-    stages[1] = {y2, k2.length(), flow_->gradient(y2, t + 0.5 * h)};
-    stages[2] = {y3, k3.length(), flow_->gradient(y3, t + 0.5 * h)};
-    stages[3] = {y4, k4.length(), flow_->gradient(y4, t + h)};
+    const Motion m1 = flow_->motion(at.point, t);
+    const Vec3d k1 = m1.velocity, y2 = at.point + k1 * (0.5 * h);
+    const Motion m2 = flow_->motion(y2, t + 0.5 * h);
+    const Vec3d k2 = m2.velocity, y3 = at.point + k2 * (0.5 * h);
+    const Motion m3 = flow_->motion(y3, t + 0.5 * h);
+    const Vec3d k3 = m3.velocity, y4 = at.point + k3 * h;
+    const Motion m4 = flow_->motion(y4, t + h);
+    const Vec3d k4 = m4.velocity;
+    stages[0] = {at.point, k1.length(), m1.gradient};
+    stages[1] = {y2, k2.length(), m2.gradient};
+    stages[2] = {y3, k3.length(), m3.gradient};
+    stages[3] = {y4, k4.length(), m4.gradient};
     const Matrix3d d1 = stages[0].gradient * j;
     const Matrix3d d2 = stages[1].gradient * (j + d1 * (0.5 * h));
     const Matrix3d d3 = stages[2].gradient * (j + d2 * (0.5 * h));

@@ -176,8 +176,8 @@ bool CrackedPatches::search_smooth(const Patch& patch, const Ray& ray, const Cra
     };
     const double accuracy = std::max(accuracy_, 16.0 * 0x1p-52 * std::abs(piece.to));
     evaluations += 2;
-    return first_crossing(f, closer, {piece.from, f(piece.from), piece.to, f(piece.to)}, ray.crossing == Crossing::entering,
-                          bound(patch.slope, patch.curvature), 0.1 * accuracy, accuracy, t, evaluations);
+    return first_crossing(f, closer, {piece.from, f(piece.from), piece.to, f(piece.to)},
+                          {ray.crossing == Crossing::entering, false, 0.1 * accuracy, accuracy}, bound(patch.slope, patch.curvature), t, evaluations);
 }
 
 CrackedPatches::Met CrackedPatches::met(const Ray& ray, double t) const

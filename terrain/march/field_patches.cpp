@@ -2,7 +2,8 @@
 // Gamito2001, section 3.1, with the paper's own remark made good: "interval arithmetic or Lipschitz bounds could possibly be used to increase the
 // robustness". Building: a box is dropped when the field's range over it has no zero; a box small enough, or so small that the field is nearly linear
 // in it (K r < |g| / 16), becomes a patch, shrunk to what the mean value theorem leaves of it (where the gradient jumps: to the hull of what is left
-// after three more halvings). Each patch keeps bounds of slope and curvature over itself; the march in it is that of first_crossing.h. Every box is
+// after three more halvings). Each patch keeps bounds of slope and curvature over itself and a quadratic with a proved error (patch_model.h), which
+// tells most rays where they are in air and where in rock; only the pieces between, where it cannot, are marched (first_crossing.h). Every box is
 // widened a little, so that a crossing at the common side of two boxes lies well inside one of them. The domain is first cut into tiles, which are
 // built in parallel; a patch's box is kept relative to its tile, rounded outwards.
 #include "terrain/march/field_patches.h"
@@ -11,6 +12,7 @@
 #include "terrain/march/area_march.h"
 #include "terrain/march/first_crossing.h"
 #include "terrain/march/first_crossing_batched.h"
+#include "terrain/march/patch_model.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -26,7 +28,9 @@ namespace
 
 struct FieldPatch {
     Vec3f lo, hi;  ///< relative to the tile's corner
-    float slope, curvature, mixed, upright;
+    float slope = 0.0f, curvature = 0.0f, mixed = 0.0f, upright = 0.0f;
+    bool everywhere = false;  ///< the surface exists all over the box
+    PatchModel model;
 };
 
 struct Tile {
@@ -64,7 +68,9 @@ public:
         const double far = std::max({std::abs(lo.x), std::abs(lo.y), std::abs(lo.z), std::abs(hi.x), std::abs(hi.y), std::abs(hi.z)});
         rounding_ = 0x1p-48 * far;
         if (settings.mode == MarchMode::paper) {
-            tiles_.push_back({lo, {{Vec3f(0.0f), round_up(hi - lo), 0.0f, 0.0f, 0.0f, 0.0f}}});
+            FieldPatch whole;
+            whole.lo = Vec3f(0.0f), whole.hi = round_up(hi - lo);
+            tiles_.push_back({lo, {whole}});
             return;
         }
         lay_tiles();
@@ -92,14 +98,8 @@ public:
 
     bool intersect(PatchId id, const Ray& ray, Hit& hit) const override
     {
-        // The whole of the box, whatever was found before: a crossing must not depend on the order in which boxes are met.
-        double a = ray.t_min, b = ray.t_max;
-        if (!clip(patch_bounds(id), ray, a, b) || a >= hit.t) return false;
         double t = 0.0;
-        const FieldPatch& patch = tiles_[id.tile].patches[id.index];
-        const bool found =
-            settings_.mode == MarchMode::paper ? paper(ray, a, b, t, hit.evaluations) : certified(patch, ray, a, b, t, hit.evaluations);
-        if (!found || !(t > ray.t_min && t < hit.t)) return false;
+        if (!search(id, ray, hit.t, false, t, hit.evaluations)) return false;
         hit.t = t;
         hit.patch = id;
         return true;
@@ -107,9 +107,9 @@ public:
 
     bool occluded(PatchId id, const Ray& ray) const override
     {
-        Hit hit;
-        hit.t = ray.t_max;
-        return intersect(id, ray, hit);
+        double t = 0.0;
+        std::uint32_t evaluations = 0;
+        return search(id, ray, ray.t_max, true, t, evaluations);
     }
 
     std::uint64_t memory_bytes() const override
@@ -141,6 +141,42 @@ private:
         }
     }
 
+    /// The first crossing in the patch before `limit`; or, if `any`, whether there is one.
+    bool search(PatchId id, const Ray& ray, double limit, bool any, double& t, std::uint32_t& evaluations) const
+    {
+        // The whole of the box, whatever was found before: a crossing must not depend on the order in which boxes are met.
+        double a = ray.t_min, b = ray.t_max;
+        const Box3d box = patch_bounds(id);
+        if (!clip(box, ray, a, b) || a >= limit) return false;
+        const FieldPatch& patch = tiles_[id.tile].patches[id.index];
+        if (settings_.mode == MarchMode::paper) return paper(ray, a, b, t, evaluations) && t > ray.t_min && t < limit;
+
+        SignedPiece pieces[5] = {{0.0, b - a, 0}};
+        int count = 1;
+        if (std::isfinite(patch.model.error))
+            count = signed_pieces(patch.model.along(ray.at(a) - box.center(), ray.direction), patch.model.error, b - a, pieces);
+        any = any && patch.everywhere;
+        const bool entering = ray.crossing == Crossing::entering;
+        if (any) {
+            // Air for certain, and further on rock for certain: no field need be asked where in between it begins.
+            int before = 0;
+            for (int i = 0; i < count; ++i) {
+                if (pieces[i].sign == 0) continue;
+                if (before != 0 && before != pieces[i].sign && (!entering || before > 0)) return true;
+                before = pieces[i].sign;
+            }
+        }
+        for (int i = 0; i < count; ++i) {
+            if (pieces[i].sign != 0) continue;
+            if (a + pieces[i].from >= limit) return false;
+            // A little wider, for the rounding of where pieces end.
+            const double hair = 0x1p-44 * (std::abs(a) + std::abs(b));
+            const double from = std::max(a, a + pieces[i].from - hair), to = std::min(b, a + pieces[i].to + hair);
+            if (from < to && certified(patch, ray, from, to, any, t, evaluations)) return t > ray.t_min && t < limit;
+        }
+        return false;
+    }
+
     bool may_hold(const Box3d& box, LocalField& known) const
     {
         known = field_.local(box);
@@ -166,7 +202,7 @@ private:
         double least = 0.0;
         for (const Interval& g : known.gradient) least += g.contains(0.0) ? 0.0 : std::min(g.lo * g.lo, g.hi * g.hi);
         const bool nearly_linear = std::max({known.curvature, known.mixed, known.upright}) * 0.5 * size.length() * 16.0 < std::sqrt(least);
-        if (!small && !nearly_linear) {
+        if (!small && !(nearly_linear && (!settings_.cut_edges || field_.exists_throughout(box)))) {
             const auto [low, high] = halves(box, longest_side(weighed));
             divide(low, tile);
             divide(high, tile);
@@ -179,12 +215,40 @@ private:
             shrink(box, 3, hull);
         }
         if (hull.isEmpty() || (field_.batched() && !settings_.moving && !tighten(hull, known))) return;
+        keep(hull, tile);
+    }
+
+    /// A box becomes a patch, with what is known over just the box that patch_bounds() will tell.
+    void keep(const Box3d& hull, Tile& tile) const
+    {
         // Wide enough that the coarse numbers of a patch do not let its bounds end before its box does.
         const Vec3d pad(1e-6 * hull.size().length() + 8.0 * rounding_ + 0x1p-22 * (hull.max - tile.corner).length());
-        hull = Box3d(hull.min - pad, hull.max + pad);
-        known = field_.local(Box3d(hull.min - pad, hull.max + pad));
-        tile.patches.push_back({round_down(hull.min - tile.corner), round_up(hull.max - tile.corner), above(known.slope()), above(known.curvature),
-                                above(known.mixed), above(known.upright)});
+        FieldPatch patch;
+        patch.lo = round_down(hull.min - pad - tile.corner), patch.hi = round_up(hull.max + pad - tile.corner);
+        const Vec3d wide(rounding_);
+        const Box3d box(tile.corner + Vec3d(patch.lo) - wide, tile.corner + Vec3d(patch.hi) + wide);
+        const LocalField known = field_.batched() ? known_by_parts(box, 3) : field_.local(box);
+        patch.slope = above(known.slope()), patch.curvature = above(known.curvature), patch.mixed = above(known.mixed);
+        patch.upright = above(known.upright);
+        patch.everywhere = field_.exists_throughout(box);
+        // A graze as shallow as `flat` need not be met; and points are rounded, by more the farther from the origin.
+        if (!settings_.moving)
+            patch.model = fit_model(NodeGrid(field_, box, field_.batched() ? 4 : 2), known, settings_.flat + known.slope() * rounding_);
+        tile.patches.push_back(patch);
+    }
+
+    /// What is known of a box from its halves, and theirs: bounds grow faster than boxes.
+    LocalField known_by_parts(const Box3d& box, int levels) const
+    {
+        if (levels == 0) return field_.local(box);
+        const auto [low, high] = halves(box, levels % 3);
+        LocalField a = known_by_parts(low, levels - 1);
+        const LocalField b = known_by_parts(high, levels - 1);
+        a.value = Interval::hull(a.value, b.value);
+        for (std::size_t k = 0; k < 3; ++k) a.gradient[k] = Interval::hull(a.gradient[k], b.gradient[k]);
+        a.curvature = std::max(a.curvature, b.curvature), a.mixed = std::max(a.mixed, b.mixed), a.upright = std::max(a.upright, b.upright);
+        a.sway = kInfinity;
+        return a;
     }
 
     /// What is left of a box where the mean value theorem allows a zero: F(c) + sum_k G_k dx_k = 0, with each G_k in its range. Over the times
@@ -217,40 +281,16 @@ private:
         return out;
     }
 
-    /// Shrinks a box to the hull of those of its 64 parts that may hold a zero, again as long as that takes a fifth away. Over a part the field lies
-    /// within sum |F_kk| h_k^2 / 8 of what its corners interpolate (trilinear interpolation, axis by axis), so within that of the corners' hull.
-    /// False if nothing is left. What decides how many boxes a ray meets: ranges over whole boxes leave many that are empty.
+    /// Shrinks a box to the hull of those of its 64 parts that may hold a zero, again as long as that takes a fifth away. False if nothing is left.
+    /// What decides how many boxes a ray meets: ranges over whole boxes leave many that are empty.
     bool tighten(Box3d& box, const LocalField& known) const
     {
-        constexpr int n = 4, m = n + 1;
         for (int round = 0; round < 3; ++round) {
-            const Vec3d part = box.size() / n;
-            const double error = settings_.flat + (known.curvature * (part.x * part.x + part.y * part.y) + known.upright * part.z * part.z) / 8.0;
-            double value[m * m * m + 15];
-            for (int first = 0; first < m * m * m; first += 16) {
-                Vec3d p[16];
-                for (int i = 0; i < 16; ++i) {
-                    const int k = std::min(first + i, m * m * m - 1);
-                    p[i] = box.min + Vec3d(part.x * (k % m), part.y * (k / m % m), part.z * (k / (m * m)));
-                }
-                field_.values(p, 0.0, value + first);
-            }
-            Box3d left;
-            for (int k = 0; k < n * n * n; ++k) {
-                const int x = k % n, y = k / n % n, z = k / (n * n);
-                double low = kInfinity, high = -kInfinity;
-                for (int c = 0; c < 8; ++c) {
-                    const double v = value[((z + (c >> 2)) * m + y + (c >> 1 & 1)) * m + x + (c & 1)];
-                    low = std::min(low, v), high = std::max(high, v);
-                }
-                if (low > error || high < -error) continue;
-                left.extendBy(box.min + Vec3d(part.x * x, part.y * y, part.z * z));
-                left.extendBy(box.min + Vec3d(part.x * (x + 1), part.y * (y + 1), part.z * (z + 1)));
-            }
+            const Box3d left = parts_with_zero(NodeGrid(field_, box, 4), known, settings_.flat);
             if (left.isEmpty()) return false;
-            const Vec3d before = box.size(), after = left.size();
+            const Vec3d was = box.size(), now = left.size();
             box = left;
-            if (after.x * after.y * after.z > 0.8 * before.x * before.y * before.z) break;
+            if (now.x * now.y * now.z > 0.8 * was.x * was.y * was.z) break;
         }
         return true;
     }
@@ -283,9 +323,9 @@ private:
         return a < b && b < kInfinity;
     }
 
-    bool certified(const FieldPatch& patch, const Ray& ray, double a, double b, double& t, std::uint32_t& evaluations) const
+    /// The first crossing in (a, b) that exists; if `any`, some t of a stretch with a crossing: then all of them exist.
+    bool certified(const FieldPatch& patch, const Ray& ray, double a, double b, bool any, double& t, std::uint32_t& evaluations) const
     {
-        const auto f = [&](double s) { return field_.value(ray.at(s), ray.time); };
         const PieceBound bound{patch.slope, LocalField::curvature_along(patch.curvature, patch.mixed, patch.upright, ray.direction)};
         const auto closer = [&](double from, double to) {
             Box3d box(ray.at(from));
@@ -294,34 +334,26 @@ private:
             return PieceBound{known.slope_along(ray.direction), known.curvature_along(ray.direction)};
         };
         const double accuracy = std::max(settings_.accuracy, 4.0 * (rounding_ + 0x1p-52 * (std::abs(a) + std::abs(b))));
-        if (field_.batched()) return certified_batched(ray, bound, closer, a, b, accuracy, t, evaluations);
-        double fa = f(a);
-        const double fb = f(b);
-        evaluations += 2;
         const bool entering = ray.crossing == Crossing::entering;
-        while (first_crossing(f, closer, {a, fa, b, fb}, entering, bound, settings_.flat, accuracy, t, evaluations)) {
-            if (field_.exists(ray.at(t), ray.time)) return true;
-            a = t + accuracy;
-            if (!(a < b)) return false;
-            fa = f(a);
-            ++evaluations;
-        }
-        return false;
-    }
-
-    template <class Closer>
-    bool certified_batched(const Ray& ray, const PieceBound& bound, const Closer& closer, double a, double b, double accuracy, double& t,
-                           std::uint32_t& evaluations) const
-    {
-        const auto f = [&](const double* s, double* out) {
-            Vec3d p[16];
-            for (int i = 0; i < 16; ++i) p[i] = ray.at(s[i]);
-            field_.values(p, ray.time, out);
+        const auto one = [&](double s) { return field_.value(ray.at(s), ray.time); };
+        const auto many = [&](const double* s, double* out) {
+            Vec3d p[MarchedField::batch];
+            for (int i = 0; i < MarchedField::batch; ++i) p[i] = ray.at(s[i]);
+            field_.values(p, MarchedField::batch, ray.time, out);
         };
-        while (first_crossing_batched(f, closer, a, b, ray.crossing == Crossing::entering, bound, settings_.flat, accuracy, t, evaluations)) {
-            if (field_.exists(ray.at(t), ray.time)) return true;
+        while (a < b) {
+            bool found = false;
+            if (field_.batched()) {
+                found =
+                    first_crossing_batched<MarchedField::batch>(many, closer, a, b, {entering, any, settings_.flat, accuracy}, bound, t, evaluations);
+            } else {
+                const Stretch whole{a, one(a), b, one(b)};
+                evaluations += 2;
+                found = first_crossing(one, closer, whole, {entering, any, settings_.flat, accuracy}, bound, t, evaluations);
+            }
+            if (!found) return false;
+            if (any || patch.everywhere || field_.exists(ray.at(t), ray.time)) return true;
             a = t + accuracy;
-            if (!(a < b)) return false;
         }
         return false;
     }

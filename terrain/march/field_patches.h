@@ -1,7 +1,7 @@
 // Any field with bounds over boxes, cut into tight proved boxes and met by rays: certified, or with the paper's area test.
 #pragma once
 
-#include "terrain/fields/warped_field.h"
+#include "terrain/march/marched_field.h"
 #include "terrain/surface.h"
 
 #include <functional>
@@ -9,29 +9,6 @@
 
 namespace hoodoo
 {
-
-/// What is marched: one function for each shutter time in [0, 1]. Pure and thread-safe.
-class MarchedField
-{
-public:
-    virtual ~MarchedField() = default;
-    virtual double value(const Vec3d& p, double time) const = 0;
-    /// Whether values() costs less than two or three times value(); rays are then searched sixteen points at a time.
-    virtual bool batched() const { return false; }
-    /// value() of sixteen points.
-    virtual void values(const Vec3d (&p)[16], double time, double* out) const
-    {
-        for (int i = 0; i < 16; ++i) out[i] = value(p[i], time);
-    }
-    /// Proved, for all times. An empty range of values says that nothing exists anywhere in the box.
-    virtual LocalField local(const Box3d& box) const = 0;
-    /// Where the surface exists: a crossing elsewhere is none.
-    virtual bool exists(const Vec3d& p, double time) const = 0;
-
-    /// For the paper's mode: where the point came from, and the base there.
-    virtual Vec3d inverse(const Vec3d& p, double time) const = 0;
-    virtual double base_value(const Vec3d& q) const = 0;
-};
 
 enum class MarchMode { certified, paper };
 
@@ -41,6 +18,7 @@ struct PatchSettings {
     Vec3d focus{0.0};        ///< patches grow with the horizontal distance from here:
     double growth = 0.0;     ///< metres a metre
     bool moving = false;     ///< the field changes with time
+    bool cut_edges = false;  ///< boxes in which the surface exists in a part only are cut down to size, however flat the field
     double flat = 1e-7;      ///< of the field: a graze this shallow may be met or not
     double accuracy = 1e-7;  ///< metres: of a crossing along the ray
     MarchMode mode = MarchMode::certified;

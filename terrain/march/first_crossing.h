@@ -32,14 +32,23 @@ constexpr int kMostEvaluations = 200000;  ///< of one search: a ray that lies in
 /// Stretches are halved down to this share of their length in the beginning.
 constexpr double kShortest = 0x1p-40;
 
-/// The first t in the stretch at which f changes its sign (from f >= 0 to f < 0 if `entering`, else either way). True if there is one.
+/// What is looked for.
+struct CrossingQuery {
+    bool entering = false;  ///< only from f >= 0 to f < 0, else either way
+    bool any = false;       ///< whether there is a crossing is all that is asked: t is then some place of a stretch that has one
+    double flat = 0.0;
+    double accuracy = 0.0;
+};
+
+/// The first t in the stretch at which f changes its sign. True if there is one.
 /// Certified: no change of sign is missed except where |f| < `flat` all the way through it (a graze that shallow may be either), and the answer is
 /// within `accuracy` of the change. Adds the evaluations.
 /// f(t) is called with t inside the stretch; closer(a, b) gives the bounds of a piece of it, which is asked when four halvings did not decide.
 template <class F, class Closer>
-bool first_crossing(const F& f, const Closer& closer, const Stretch& whole, bool entering, const PieceBound& given, double flat, double accuracy,
-                    double& t, std::uint32_t& evaluations)
+bool first_crossing(const F& f, const Closer& closer, const Stretch& whole, const CrossingQuery& query, const PieceBound& given, double& t,
+                    std::uint32_t& evaluations)
 {
+    const auto [entering, any, flat, accuracy] = query;
     // A stack of stretches yet to search, the nearest on top: halving needs one entry a level.
     struct Entry {
         Stretch s;
@@ -66,6 +75,10 @@ bool first_crossing(const F& f, const Closer& closer, const Stretch& whole, bool
         if (!changes && keeps_sign(s, bound)) continue;
         const double width = s.b - s.a;
         const bool monotone = changes && is_monotone(s, bound);
+        if (any && changes && (!entering || s.fa >= 0.0)) {
+            t = 0.5 * (s.a + s.b);
+            return true;
+        }
         if (monotone || width <= accuracy || width <= shortest || left <= 0) {
             if (!changes || (entering && s.fa < 0.0)) continue;
             // One change is left: shrink the bracket by the Illinois rule, which keeps the ends on their sides.

@@ -28,4 +28,11 @@ struct NoiseDerivativeBound {
 constexpr NoiseDerivativeBound kNoise2Derivatives{2.0692, 9.2355, 97.083};
 constexpr NoiseDerivativeBound kNoise3Derivatives{2.7923, 10.640, 115.912};
 
+/// The same of the noise that this seed makes, over a box of the plane: proved, and close where the box is small beside a cell.
+NoiseDerivativeBound noise_bound(const Imath::Box2d& box, std::uint32_t seed);
+
+/// A bound of the second derivative of 1-D gradient noise over a span, proved; never more than kNoise1Curve, the supremum for all slopes.
+constexpr double kNoise1Curve = 7.5;
+double noise_curve_bound(double lo, double hi, std::uint32_t seed);
+
 }  // namespace hoodoo

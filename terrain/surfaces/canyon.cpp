@@ -37,12 +37,12 @@ public:
     }
 
     bool batched() const override { return part_ == Part::wall; }
-    void values(const Vec3d (&p)[16], double time, double* out) const override
+    void values(const Vec3d (&p)[batch], int count, double time, double* out) const override
     {
-        if (part_ == Part::wall)
-            canyon_.wall().values(p, out);
-        else
-            MarchedField::values(p, time, out);
+        if (part_ != Part::wall) return MarchedField::values(p, count, time, out);
+        double all[batch];
+        canyon_.wall().values(p, all);
+        std::copy_n(all, count, out);
     }
 
     LocalField local(const Box3d& box) const override
@@ -73,6 +73,20 @@ public:
         return false;
     }
 
+    bool exists_throughout(const Box3d& box) const override
+    {
+        const Interval top = canyon_.plateau_local(box).value, ground = canyon_.floor_local(box).value;
+        switch (part_) {
+            case Part::wall:
+                return top.hi <= hair_ && ground.lo >= -hair_;
+            case Part::plateau:
+                return ground.lo >= -hair_ && canyon_.wall().local(box).value.hi <= hair_;
+            case Part::floor:
+                return top.lo >= -hair_ || canyon_.wall().local(box).value.lo >= -hair_;
+        }
+        return false;
+    }
+
     Vec3d inverse(const Vec3d& p, double) const override { return part_ == Part::wall ? canyon_.wall().inverse(p) : p; }
     double base_value(const Vec3d& q) const override { return part_ == Part::wall ? canyon_.wall().base_value(q) : value(q, 0.0); }
 
@@ -95,6 +109,7 @@ public:
             // The plateau and the floor are nearly flat: larger boxes do, and no mode but one.
             PatchSettings own = settings;
             own.domain = domain;
+            own.cut_edges = true;
             if (part == Part::plateau) own.domain.min.z = shape.origin.z + shape.height - hair;
             if (part == Part::floor) own.domain.max.z = std::min(domain.max.z, floor_top + hair);
             if (part != Part::wall) own.size *= 2.0, own.mode = MarchMode::certified;

@@ -152,7 +152,7 @@ TEST(PaperMode, misses_an_arc_that_is_odd_about_its_middle_and_certified_marchin
     const auto f = [&](double s) { return arc.place(s).z; };
     const PieceBound bound{0.3 * 2.0 * std::numbers::pi, 0.3 * 4.0 * std::numbers::pi * std::numbers::pi};
     const auto closer = [&](double, double) { return bound; };
-    ASSERT_TRUE(first_crossing(f, closer, {0.0, f(0.0), 1.0, f(1.0)}, false, bound, 1e-9, 1e-9, t, evaluations));
+    ASSERT_TRUE(first_crossing(f, closer, {0.0, f(0.0), 1.0, f(1.0)}, {false, false, 1e-9, 1e-9}, bound, t, evaluations));
     EXPECT_NEAR(t, 0.5 + std::asin(1.0 / 15.0) / (2.0 * std::numbers::pi), 1e-8);
 }
 
@@ -167,7 +167,7 @@ TEST(PaperMode, misses_two_crossings_of_one_chord_and_certified_marching_does_no
     const auto f = [&](double s) { return place(s).z; };
     const PieceBound bound{0.012 * std::numbers::pi, 0.012 * std::numbers::pi * std::numbers::pi};
     const auto closer = [&](double, double) { return bound; };
-    ASSERT_TRUE(first_crossing(f, closer, {0.0, f(0.0), 1.0, f(1.0)}, true, bound, 1e-9, 1e-9, t, evaluations));
+    ASSERT_TRUE(first_crossing(f, closer, {0.0, f(0.0), 1.0, f(1.0)}, {true, false, 1e-9, 1e-9}, bound, t, evaluations));
     EXPECT_NEAR(t, std::asin(5.0 / 6.0) / std::numbers::pi, 1e-8);
 }
 
@@ -177,7 +177,7 @@ TEST(FirstCrossing, ends_on_a_ray_that_lies_in_the_surface)
     double t = 0.0;
     const auto f = [](double) { return 0.0; };
     const auto closer = [](double, double) { return PieceBound{1e9, kInfinity}; };
-    EXPECT_FALSE(first_crossing(f, closer, {0.0, 0.0, 1.0, 0.0}, false, {1e9, kInfinity}, 1e-12, 1e-12, t, evaluations));
+    EXPECT_FALSE(first_crossing(f, closer, {0.0, 0.0, 1.0, 0.0}, {false, false, 1e-12, 1e-12}, {1e9, kInfinity}, t, evaluations));
     EXPECT_LE(evaluations, static_cast<std::uint32_t>(kMostEvaluations) + 8u);
 }
 
@@ -190,7 +190,7 @@ TEST(FirstCrossing, a_curvature_bound_times_nine_tenths_loses_a_graze)
         std::uint32_t evaluations = 0;
         const auto closer = [&](double, double) { return PieceBound{kInfinity, curvature}; };
         // The ends are where the test is sharpest: a parabola of this curvature touches zero between them.
-        return first_crossing(f, closer, {0.0, f(0.0), 1.0, f(1.0)}, false, {kInfinity, curvature}, 1e-12, 1e-12, t, evaluations);
+        return first_crossing(f, closer, {0.0, f(0.0), 1.0, f(1.0)}, {false, false, 1e-12, 1e-12}, {kInfinity, curvature}, t, evaluations);
     };
     EXPECT_TRUE(found(2.0));
     EXPECT_FALSE(found(1.8));

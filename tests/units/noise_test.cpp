@@ -1,6 +1,7 @@
 // Noise against golden values, its derivatives against differences, its bounds against samples.
 #include "terrain/math/noise.h"
 
+#include "terrain/math/noise_hessian.h"
 #include "tests/counts.h"
 #include "terrain/math/hash.h"
 
@@ -118,6 +119,65 @@ TEST(Noise, a_fraction_of_an_octave_joins_its_neighbours_without_a_jump)
     EXPECT_DOUBLE_EQ(fbm(p, 2, {3.0 + 1e-15}).value, fbm(p, 2, {3.0}).value);
     const double mean = 0.5 * (fbm(p, 2, {3.0}).value + fbm(p, 2, {4.0}).value);
     EXPECT_NEAR(fbm(p, 2, {3.5}).value, mean, 1e-15);
+}
+
+/// Whether the bounds over random boxes, times `factor`, hold of the noise's derivatives at points of them; third ones as differences of second ones.
+bool box_bounds_hold(double factor, int boxes)
+{
+    std::uint64_t n = 0;
+    const auto next = [&] { return unit_real(mix64(++n)); };
+    for (int i = 0; i < boxes; ++i) {
+        const Vec2d corner(next() * 8.0 - 4.0, next() * 8.0 - 4.0);
+        const double size = std::pow(10.0, -3.0 * next());
+        const Imath::Box2d box(corner, corner + Vec2d(next(), next()) * size);
+        const NoiseDerivativeBound bound = noise_bound(box, 7);
+        for (int k = 0; k < 8; ++k) {
+            const Vec2d p(box.min + (box.max - box.min) * Vec2d(next(), next())), q(box.min + (box.max - box.min) * Vec2d(next(), next()));
+            const NoiseJet2 a = noise_jet(p, 7), b = noise_jet(q, 7);
+            if (a.gradient.length() > factor * bound.slope + 1e-12) return false;
+            if (0.5 * std::abs(a.xx + a.yy) + std::hypot(0.5 * (a.xx - a.yy), a.xy) > factor * bound.hessian + 1e-12) return false;
+            const double x = b.xx - a.xx, y = b.xy - a.xy, z = b.yy - a.yy;
+            if (0.5 * std::abs(x + z) + std::hypot(0.5 * (x - z), y) > factor * bound.third * (q - p).length() + 1e-10) return false;
+        }
+    }
+    return true;
+}
+
+TEST(Noise, bounds_over_boxes_hold_and_nine_tenths_of_them_do_not)
+{
+    EXPECT_TRUE(box_bounds_hold(1.0, testing::count(20000, 1000000)));
+    EXPECT_FALSE(box_bounds_hold(0.9, 20000));
+}
+
+TEST(Noise, bounds_over_small_boxes_are_near_the_derivatives_there)
+{
+    // A box a thousandth of a cell wide: what derivatives change by in it is 97 / 1000 of a second, about 1 of a third (the fourth is below 1e3).
+    for (std::uint64_t i = 0; i < 200; ++i) {
+        const Vec2d p(random(2 * i + 1, 8.0), random(2 * i + 2, 8.0));
+        if (std::abs(p.x - std::round(p.x)) < 1e-3 || std::abs(p.y - std::round(p.y)) < 1e-3) continue;
+        const NoiseDerivativeBound bound = noise_bound(Imath::Box2d(p, p + Vec2d(1e-3)), 7);
+        const NoiseJet2 n = noise_jet(p, 7);
+        EXPECT_NEAR(bound.hessian, 0.5 * std::abs(n.xx + n.yy) + std::hypot(0.5 * (n.xx - n.yy), n.xy), 0.2);
+    }
+}
+
+bool span_bounds_hold(double factor, int spans)
+{
+    for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(spans); ++i) {
+        const double lo = random(3 * i + 1, 40.0), hi = lo + std::pow(10.0, -3.0 * unit_real(mix64(3 * i + 2)));
+        const double bound = noise_curve_bound(lo, hi, 5);
+        for (int k = 0; k < 8; ++k) {
+            const double a = lo + (hi - lo) * k / 8.0, b = lo + (hi - lo) * (k + 1) / 8.0;
+            if (std::abs(gradient_noise(b, 5).slope - gradient_noise(a, 5).slope) > factor * bound * (b - a) + 1e-12) return false;
+        }
+    }
+    return true;
+}
+
+TEST(Noise, curvature_bounds_over_spans_hold_and_nine_tenths_of_them_do_not)
+{
+    EXPECT_TRUE(span_bounds_hold(1.0, testing::count(20000, 1000000)));
+    EXPECT_FALSE(span_bounds_hold(0.9, 20000));
 }
 
 }  // namespace
