@@ -8,6 +8,8 @@
 // The bounds are in breaking_sea_bounds.cpp.
 #include "terrain/fields/breaking_sea.h"
 
+#include "terrain/fields/sea_kernel.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -103,6 +105,13 @@ double BreakingSea::value(const Vec3d& p, double t) const
     double sum = calm;
     for (const Breaker& b : breakers_) sum += deviation_value(b, p, t, calm);
     return sum;
+}
+
+void BreakingSea::values(const Vec3d (&p)[8], double t, double* out) const
+{
+    SeaPoints at;
+    for (int i = 0; i < SeaLanes::count; ++i) at.x[i] = p[i].x, at.y[i] = p[i].y, at.z[i] = p[i].z;
+    sea_values({breakers_, swell_.trains(), swell_.fade(), swell_.amplitude(), level_}, at, t, out);
 }
 
 Vec3d BreakingSea::gradient(const Vec3d& p, double t, double* by_time) const

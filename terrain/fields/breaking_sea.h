@@ -43,6 +43,8 @@ public:
     BreakingSea(std::vector<Breaker> breakers, Swells swell, double level);
 
     double value(const Vec3d& p, double t) const;
+    /// Of eight points at once, equal up to rounding (sea_kernel.h).
+    void values(const Vec3d (&p)[8], double t, double* out) const;
     /// Gradient by (x, y, z), and by time.
     Vec3d gradient(const Vec3d& p, double t, double* by_time = nullptr) const;
     /// Proved, for all t of `times`.

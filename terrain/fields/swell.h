@@ -49,6 +49,8 @@ public:
     Bound bound(const Interval& x, const Interval& y, const Interval& times) const;
     /// No point is higher or lower, metres.
     double amplitude() const { return amplitude_; }
+    const std::vector<Swell>& trains() const { return trains_; }
+    const SwellFade& fade() const { return fade_; }
 
 private:
     std::vector<Swell> trains_;

@@ -52,8 +52,11 @@ double NodeGrid::interpolation_error(const Vec3d& second) const
 
 Box3d parts_with_zero(const NodeGrid& grid, const LocalField& known, double flat)
 {
-    const double error = flat + grid.interpolation_error({known.curvature, known.curvature, known.upright});
+    // Or, where the gradient jumps: from the nearest corner the field strays by no more than its slopes allow.
     const Vec3d part = grid.box.size() / grid.parts;
+    double stray = 0.0;
+    for (int k = 0; k < 3; ++k) stray += 0.5 * known.gradient[static_cast<std::size_t>(k)].magnitude() * part[k];
+    const double error = flat + std::min(stray, grid.interpolation_error({known.curvature, known.curvature, known.upright}));
     Box3d left;
     for (int z = 0; z < grid.parts; ++z) {
         for (int y = 0; y < grid.parts; ++y) {

@@ -138,8 +138,18 @@ private:
     double seconds(double time) const { return open_ + (close_ - open_) * time; }
 
     double value(const Vec3d& p, double time) const override { return sea_.value(p - origin_, seconds(time)); }
+    bool batched() const override { return true; }
+    void values(const Vec3d (&p)[batch], int count, double time, double* out) const override
+    {
+        Vec3d q[batch];
+        double all[batch];
+        for (int i = 0; i < batch; ++i) q[i] = p[std::min(i, count - 1)] - origin_;
+        sea_.values(q, seconds(time), all);
+        std::copy_n(all, count, out);
+    }
     LocalField local(const Box3d& box) const override { return sea_.local(sea_box(box, origin_), {open_, close_}); }
     bool exists(const Vec3d&, double) const override { return true; }
+    bool exists_throughout(const Box3d&) const override { return true; }
     Vec3d inverse(const Vec3d& p, double time) const override { return sea_.rest(p - origin_, seconds(time)).point; }
     double base_value(const Vec3d& q) const override { return q.z; }
 
