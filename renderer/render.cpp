@@ -71,7 +71,7 @@ PixelBounds data_window(const RenderOptions& options, int width, int height)
 }  // namespace
 
 LoadedScene load_scene(const std::string& text_or_path, bool is_text, const SceneOverrides& overrides, int threads, const std::string& colorconfig,
-                       std::function<void(double, const std::string&)> progress)
+                       std::function<void(double, const std::string&)> progress, bool editable)
 {
     const auto start = std::chrono::steady_clock::now();
     LoadedScene loaded;
@@ -88,6 +88,7 @@ LoadedScene load_scene(const std::string& text_or_path, bool is_text, const Scen
     options.to_rendering = [color = loaded.color](const ColorValue& value) { return color->to_rendering(value.space, Vec3f(value.rgb)); };
     options.threads = threads;
     options.progress = std::move(progress);
+    options.editable = editable;
     loaded.scene = std::make_unique<Scene>(loaded.description, options);
     loaded.build_seconds = seconds_since(start);
     return loaded;

@@ -43,10 +43,11 @@ struct LoadedScene {
     double build_seconds = 0.0;
 };
 
-/// Scene file -> scene. `text_or_path`: a path, or the text itself if `is_text`. `colorconfig`: a path; empty: the scene's, else $OCIO's, else ours.
+/// Scene file -> scene. `text_or_path`: a path, or the text itself if `is_text`. An `editable` one takes edits later; rays are then a little slower.
+/// `colorconfig`: a path; empty: the scene's, else $OCIO's, else ours.
 /// Throws Error (scene, file, memory): everything that can be wrong with a scene, its display and view too, is found here, before the first ray.
 LoadedScene load_scene(const std::string& text_or_path, bool is_text, const SceneOverrides& overrides = {}, int threads = 0,
-                       const std::string& colorconfig = {}, std::function<void(double, const std::string&)> progress = {});
+                       const std::string& colorconfig = {}, std::function<void(double, const std::string&)> progress = {}, bool editable = false);
 
 /// Size, window and samples of the picture that `options` ask of a scene; the materials are left out. Throws Error (scene) on a size that cannot be.
 FilmLayout picture_layout(const Description& description, const RenderOptions& options);

@@ -34,6 +34,7 @@ struct BuildContext {
     /// there is none, if it is a mesh, or if it stands on this one. Empty: there are no other terrains.
     std::function<std::shared_ptr<const Surface>(const std::string& name, const Source& where)> base;
     std::optional<Viewpoint> view;  ///< absent: full detail everywhere
+    bool editable = false;          ///< ready for edits of its layers: for materials too that it has none of yet
 };
 
 class MaterialStack;

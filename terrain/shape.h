@@ -42,6 +42,13 @@ struct Instances {
     RockInfo rocks;
 };
 
+/// What became of an object's Instances when it was edited.
+enum class InstanceChange : std::uint8_t {
+    none,
+    places,  ///< others, elsewhere, more or fewer, of the same meshes
+    meshes,  ///< other meshes too
+};
+
 using Shape = std::variant<std::unique_ptr<Surface>, TriangleMesh, Instances>;
 
 /// The instances of a shape, its own or those on its surface; nullptr without.

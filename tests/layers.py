@@ -11,7 +11,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 TERRAIN_BASE = {"terrain/math", "terrain/field.h", "terrain/density.h", "terrain/surface.h", "terrain/shape.h", "terrain/error.h", "terrain/schema.h", "terrain/isa.h"}
-TERRAIN_PUBLIC = TERRAIN_BASE | {"terrain/catalogue.h", "terrain/schema_values.h"}
+TERRAIN_PUBLIC = TERRAIN_BASE | {"terrain/catalogue.h", "terrain/editable.h", "terrain/schema_values.h"}
 PARAMETERS = {"terrain/math", "terrain/error.h", "terrain/schema.h", "terrain/isa.h"}
 MAY_INCLUDE = {
     "terrain/math": set(),
@@ -36,7 +36,7 @@ MAY_INCLUDE = {
                                           "renderer/film"},
     "renderer/render": TERRAIN_PUBLIC | {"renderer/scene", "renderer/geometry", "renderer/light", "renderer/media", "renderer/shading",
                                          "renderer/transport", "renderer/film", "renderer/compare", "terrain/io/polygonise.h", "terrain/io/mesh_writer.h", "terrain/io/grid_file.h", "terrain/io/drawing.h",
-                                         "terrain/io/height_image.h"},
+                                         "terrain/io/height_image.h", "terrain/stack/column_set.h"},
 }
 
 

@@ -14,7 +14,7 @@ public:
     explicit BruteForceTracer(std::span<const Shape> shapes) : Tracer(shapes) {}
 
     /// It keeps nothing that could be old.
-    void update(std::uint32_t, std::span<const std::uint32_t>) override {}
+    void update(std::uint32_t, std::span<const std::uint32_t>, InstanceChange) override {}
 
 protected:
     TraceHit find_nearest(const Ray& ray) const override

@@ -87,21 +87,12 @@ public:
     EmbreeTracer(const EmbreeTracer&) = delete;
     EmbreeTracer& operator=(const EmbreeTracer&) = delete;
 
-    void update(std::uint32_t object, std::span<const std::uint32_t> tiles) override
+    void update(std::uint32_t object, std::span<const std::uint32_t> tiles, InstanceChange change) override
     {
         if (!options_.editable) throw Error(ErrorKind::internal, "this tracer was not made for edits");
         const Surface& surface = *std::get<std::unique_ptr<Surface>>(shapes_[object]);
-        bool fits = true;
-        // The slack that find_bounds added stays free, but for rounding.
-        const Vec3d inside = half_extent_ - Vec3d(3.5 * padding_);
-        const Box3d inner(world_origin_ - inside, world_origin_ + inside);
-        for (const std::uint32_t tile : tiles) {
-            for (std::uint32_t i = 0; fits && i < surface.patch_count(tile); ++i) {
-                const Box3d box = surface.patch_bounds({tile, i});
-                fits = inner.intersects(box.min) && inner.intersects(box.max);
-            }
-        }
-        if (!fits) {
+        const Instances* instances = change == InstanceChange::none ? nullptr : surface.instances();
+        if (!fits(surface, tiles) || (instances && !fits(*instances))) {
             // Another origin or padding moves every box.
             rtcReleaseScene(scene_);
             scene_ = nullptr;
@@ -110,6 +101,17 @@ public:
         for (const std::uint32_t tile : tiles) {
             const RTCGeometry geometry = rtcGetGeometry(scene_, first_part_[object] + tile);
             rtcSetGeometryUserPrimitiveCount(geometry, surface.patch_count(tile));
+            rtcCommitGeometry(geometry);
+        }
+        if (instances) {
+            const std::uint32_t part = first_part_[object] + surface.tile_count();
+            const auto own = std::find_if(instances_.begin(), instances_.end(), [&](const auto& i) { return i.get() == parts_[part].instances; });
+            const RTCGeometry geometry = rtcGetGeometry(scene_, part);
+            if (change == InstanceChange::meshes) {
+                *own = std::make_unique<EmbreeInstances>(device_, *instances, object);
+                parts_[part].instances = own->get();
+            }
+            (*own)->update(geometry, world_origin_, padding_);
             rtcCommitGeometry(geometry);
         }
         check_embree(device_);
@@ -192,6 +194,36 @@ private:
             release();
             throw;
         }
+    }
+
+    /// Where boxes may come to lie without moving all others: the slack that find_bounds added stays free, but for rounding.
+    Box3d inner_box() const
+    {
+        const Vec3d inside = half_extent_ - Vec3d(3.5 * padding_);
+        return {world_origin_ - inside, world_origin_ + inside};
+    }
+
+    bool fits(const Surface& surface, std::span<const std::uint32_t> tiles) const
+    {
+        const Box3d inner = inner_box();
+        for (const std::uint32_t tile : tiles) {
+            for (std::uint32_t i = 0; i < surface.patch_count(tile); ++i) {
+                const Box3d box = surface.patch_bounds({tile, i});
+                if (!inner.intersects(box.min) || !inner.intersects(box.max)) return false;
+            }
+        }
+        return true;
+    }
+
+    bool fits(const Instances& instances) const
+    {
+        const Box3d inner = inner_box();
+        std::vector<Box3d> boxes;
+        for (const TriangleMesh& mesh : instances.meshes) boxes.push_back(mesh_bounds(mesh));
+        return std::all_of(instances.instances.begin(), instances.instances.end(), [&](const Instance& instance) {
+            const Box3d box = instance_bounds(instance, boxes[instance.mesh]);
+            return inner.intersects(box.min) && inner.intersects(box.max);
+        });
     }
 
     bool is_inside(const Vec3d& p) const
@@ -318,7 +350,7 @@ private:
 
     void add_instances(const Instances& instances, std::uint32_t object)
     {
-        if (instances.instances.empty()) return;
+        if (instances.instances.empty() && !options_.editable) return;
         instances_.push_back(std::make_unique<EmbreeInstances>(device_, instances, object));
         parts_.push_back({nullptr, instances_.back().get(), object, 0, world_origin_, padding_});
         attach(instances_.back()->geometry(device_, world_origin_, padding_));

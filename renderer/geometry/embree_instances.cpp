@@ -52,16 +52,21 @@ EmbreeInstances::~EmbreeInstances()
 
 RTCGeometry EmbreeInstances::geometry(RTCDevice device, const Vec3d& world_origin, double padding)
 {
-    world_origin_ = world_origin;
-    padding_ = padding;
     const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(instances_.instances.size()));
-    rtcSetGeometryUserData(geometry, this);
     rtcSetGeometryBoundsFunction(
         geometry, [](const RTCBoundsFunctionArguments* args) { bounds(args); }, nullptr);
     rtcSetGeometryIntersectFunction(geometry, intersect);
     rtcSetGeometryOccludedFunction(geometry, occluded);
+    update(geometry, world_origin, padding);
     return geometry;
+}
+
+void EmbreeInstances::update(RTCGeometry geometry, const Vec3d& world_origin, double padding)
+{
+    world_origin_ = world_origin;
+    padding_ = padding;
+    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(instances_.instances.size()));
+    rtcSetGeometryUserData(geometry, this);
 }
 
 void EmbreeInstances::bounds(const RTCBoundsFunctionArguments* args)

@@ -19,6 +19,8 @@ public:
 
     /// A geometry with one primitive an instance, boxes around `world_origin`, grown by `padding`. Keeps a pointer to this object.
     RTCGeometry geometry(RTCDevice device, const Vec3d& world_origin, double padding);
+    /// The same to a geometry that is there already, for the instances that there are now.
+    void update(RTCGeometry geometry, const Vec3d& world_origin, double padding);
 
     std::uint32_t object() const { return object_; }
     /// How far a point found on a triangle may lie from the mesh as given, in the mesh's space.

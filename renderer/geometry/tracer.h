@@ -39,9 +39,10 @@ public:
     /// are those of interact(). Two of one object that are nearer to each other than the surface knows its place count as one.
     std::vector<TraceHit> crossings(Ray ray, std::size_t most = 100000) const;
 
-    /// Follows a Surface that was rebuilt in place: `tiles` are those whose patches changed. Costs what they hold and a little for every other tile.
-    /// Not while other threads trace. Throws Error (memory); Error (internal) if the tracer was not made editable.
-    virtual void update(std::uint32_t object, std::span<const std::uint32_t> tiles) = 0;
+    /// Follows a Surface that was rebuilt in place: `tiles` are those whose patches changed, `instances` what became of the instances on it. Costs
+    /// what they hold and a little for every other tile; of instances all boxes are made anew. Not while other threads trace. Throws Error (memory);
+    /// Error (internal) if the tracer was not made editable.
+    virtual void update(std::uint32_t object, std::span<const std::uint32_t> tiles, InstanceChange instances = InstanceChange::none) = 0;
 
     std::uint64_t refused_rays() const { return refused_.load(std::memory_order_relaxed); }
 

@@ -4,6 +4,7 @@
 // hoodoo.Error, a ValueError with the full text.
 // Missing: pickling; cancelling load().
 
+#include "renderer/edit.h"
 #include "renderer/hosts/python_values.h"
 #include "renderer/render.h"
 
@@ -14,6 +15,7 @@
 #include <filesystem>
 #include <limits>
 #include <mutex>
+#include <shared_mutex>
 
 namespace hoodoo::python
 {
@@ -25,7 +27,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kRaysAtOnce = 8192;  // well under a second, at any speed a terrain was ever traced
 
 struct SceneHandle {
-    std::shared_ptr<const LoadedScene> loaded;
+    std::shared_ptr<LoadedScene> loaded;
+    std::shared_ptr<std::shared_mutex> gate;  ///< edits keep everybody else out
     const Scene& scene() const { return *loaded->scene; }
 };
 
@@ -45,14 +48,28 @@ bool is_scene_text(const std::string& given)
     return path.extension() != ".toml" && given.find('=') != std::string::npos && !std::filesystem::exists(path, ignored);
 }
 
-SceneHandle load(const py::object& source, const py::dict& overrides, std::optional<std::uint64_t> seed, int threads)
+SceneHandle load(const py::object& source, const py::dict& overrides, std::optional<std::uint64_t> seed, int threads, bool editable)
 {
     const bool is_path = py::hasattr(source, "__fspath__");
     const std::string given = is_path ? py::str(source.attr("__fspath__")()).cast<std::string>() : source.cast<std::string>();
     SceneOverrides all = overrides_from(overrides);
     all.seed = seed;
     py::gil_scoped_release free;
-    return {std::make_shared<const LoadedScene>(load_scene(given, !is_path && is_scene_text(given), all, threads))};
+    return {std::make_shared<LoadedScene>(load_scene(given, !is_path && is_scene_text(given), all, threads, {}, {}, editable)),
+            std::make_shared<std::shared_mutex>()};
+}
+
+// -- edit ------------------------------------------------------------------------------------------------------------
+
+py::array_t<std::int32_t> edit(const SceneHandle& self, const std::string& tool, const py::object& terrain, const py::kwargs& parameters)
+{
+    const Node node = node_from(parameters, tool);
+    const std::string name = terrain.is_none() ? std::string() : terrain.cast<std::string>();
+    return columns_array([&] {
+        const py::gil_scoped_release free;
+        const std::unique_lock alone(*self.gate);
+        return edit_scene(*self.loaded, name, tool, node);
+    }());
 }
 
 // -- render ----------------------------------------------------------------------------------------------------------
@@ -85,7 +102,12 @@ ImageHandle render_image(const SceneHandle& self, std::optional<int> width, std:
         if (!progress.is_none() && now != told) progress(told = now);
     };
     Image image;
-    run_interruptibly([&] { image = render(*self.loaded, options); }, [&] { cancel = true; }, tell);
+    run_interruptibly(
+        [&] {
+            const std::shared_lock together(*self.gate);
+            image = render(*self.loaded, options);
+        },
+        [&] { cancel = true; }, tell);
     return {std::make_shared<const Image>(std::move(image)), self.loaded};
 }
 
@@ -169,6 +191,7 @@ py::dict intersect(const SceneHandle& self, Doubles origins, Doubles directions,
     std::int64_t *os = object.mutable_data(), *cs = cost.mutable_data();
     const Tracer& tracer = self.scene().tracer();
     for_chunks(rays.count, kRaysAtOnce, [&](std::size_t begin, std::size_t end) {
+        const std::shared_lock together(*self.gate);
         for (std::size_t i = begin; i < end; ++i) {
             const Ray ray = rays[i];
             const TraceHit hit = tracer.intersect(ray);
@@ -202,6 +225,7 @@ py::array_t<bool> occluded(const SceneHandle& self, Doubles origins, Doubles dir
     bool* out = result.mutable_data();
     const Tracer& tracer = self.scene().tracer();
     for_chunks(rays.count, kRaysAtOnce, [&](std::size_t begin, std::size_t end) {
+        const std::shared_lock together(*self.gate);
         for (std::size_t i = begin; i < end; ++i) out[i] = tracer.occluded(rays[i]);
     });
     return result;
@@ -213,6 +237,7 @@ py::list crossings(const SceneHandle& self, Doubles origins, Doubles directions,
     std::vector<std::vector<TraceHit>> all(rays.count);
     const Tracer& tracer = self.scene().tracer();
     for_chunks(rays.count, kRaysAtOnce / 8, [&](std::size_t begin, std::size_t end) {
+        const std::shared_lock together(*self.gate);
         for (std::size_t i = begin; i < end; ++i) all[i] = tracer.crossings(rays[i]);
     });
     py::list result;
@@ -273,7 +298,14 @@ void add_image(py::module_& module)
 
 void add_scene(py::module_& module)
 {
-    py::class_<SceneHandle>(module, "Scene", "A world that can be lit and asked. Immutable, safe to use from several Python threads.")
+    py::class_<SceneHandle>(module, "Scene", "A world that can be lit and asked. Safe to use from several Python threads; only edit() changes it.")
+        .def("edit", &edit, py::arg("tool"), py::kw_only(), py::arg("terrain") = py::none(),
+             "edit(tool, *, terrain=None, **parameters) -> int32 (n, 2)\n\nApplies an edit tool to the layers of a terrain, as if it were the next "
+             "[[terrain.NAME.edit]] table of the scene (see tools() for the parameters), and makes anew what it touched of surface, rocks and "
+             "acceleration structure. Pictures afterwards are those of a scene loaded with that table. terrain may be left out where there is only "
+             "one. Returns the columns (i, j) that may have changed, sorted by j, then i. Waits for renders and queries under way; a Field of the "
+             "terrain must not be used meanwhile. Raises hoodoo.Error: a scene that was not loaded with editable=True, a terrain without layers, an "
+             "unknown tool, a value that cannot be; nothing has changed then.")
         .def("render", &render_image, py::arg("width") = py::none(), py::arg("height") = py::none(), py::arg("spp") = py::none(),
              py::arg("threads") = 0, py::arg("seed") = py::none(), py::arg("progress") = py::none(),
              "render(width=None, height=None, spp=None, threads=0, seed=None, progress=None) -> Image\n\nwidth, height: pixels; spp: samples a "
@@ -325,8 +357,11 @@ PYBIND11_MODULE(hoodoo, module)
     add_image(module);
     add_scene(module);
     module.def("load", &load, py::arg("path_or_toml_text"), py::arg("overrides") = py::dict(), py::arg("seed") = py::none(), py::arg("threads") = 0,
-               "load(path_or_toml_text, overrides={}, seed=None, threads=0) -> Scene\n\nA scene file, or the text of one (anything with a line end). "
+               py::arg("editable") = false,
+               "load(path_or_toml_text, overrides={}, seed=None, threads=0, editable=False) -> Scene\n\nA scene file, or the text of one (anything "
+               "with a line end). "
                "overrides: {'terrain.valley.sigma': 2.0} replaces "
-               "values of the scene, {'params.x': 3} fills its [params]. threads: for building, 0 means all. Raises hoodoo.Error with every problem "
+               "values of the scene, {'params.x': 3} fills its [params]. threads: for building, 0 means all. editable: takes edits later; rays are "
+               "then a little slower. Raises hoodoo.Error with every problem "
                "of the file and its place.");
 }

@@ -150,18 +150,10 @@ FieldHandle field_of_row(const std::string& type, const py::kwargs& parameters)
 py::array_t<std::int32_t> edit_stack(MaterialStack& stack, const std::string& tool, std::uint64_t seed, const py::kwargs& parameters)
 {
     const Node node = node_from(parameters, tool);
-    const ColumnSet changed = [&] {
+    return columns_array([&] {
         const py::gil_scoped_release free;
         return apply_edit(stack, tool, node, seed, 0);
-    }();
-    py::array_t<std::int32_t> columns({static_cast<py::ssize_t>(changed.count()), py::ssize_t{2}});
-    std::int32_t* out = columns.mutable_data();
-    for (const std::uint32_t index : changed.indices()) {
-        const Vec2i at = changed.column(index);
-        *out++ = at.x;
-        *out++ = at.y;
-    }
-    return columns;
+    }());
 }
 
 py::dict described(const Schema& schema)

@@ -151,6 +151,18 @@ std::vector<py::ssize_t> shape_of_points(const Doubles& points, const std::strin
     return shape;
 }
 
+py::array_t<std::int32_t> columns_array(const ColumnSet& columns)
+{
+    py::array_t<std::int32_t> array({static_cast<py::ssize_t>(columns.count()), py::ssize_t{2}});
+    std::int32_t* out = array.mutable_data();
+    for (const std::uint32_t index : columns.indices()) {
+        const Vec2i at = columns.column(index);
+        *out++ = at.x;
+        *out++ = at.y;
+    }
+    return array;
+}
+
 void run_interruptibly(const std::function<void()>& work, const std::function<void()>& stop, const std::function<void()>& idle)
 {
     std::future<void> done = std::async(std::launch::async, work);

@@ -5,6 +5,7 @@
 #include "terrain/field.h"
 #include "terrain/math/vec.h"
 #include "terrain/schema.h"
+#include "terrain/stack/column_set.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -40,6 +41,9 @@ SceneOverrides overrides_from(const py::dict& overrides);
 
 /// The last axis must be 3; throws Error that names `what` otherwise. The shape without it is what results have.
 std::vector<py::ssize_t> shape_of_points(const Doubles& points, const std::string& what);
+
+/// int32 (n, 2): the columns (i, j), sorted by j, then i.
+py::array_t<std::int32_t> columns_array(const ColumnSet& columns);
 
 /// Runs `work` on another thread with the interpreter free, so that other Python threads run; `idle` is called in this thread, holding the
 /// interpreter, about twenty times a second. If a signal handler raises (Ctrl-C), or `idle` does, `stop` is called, the work awaited, and the

@@ -59,12 +59,17 @@ void serialise(const Node& node, std::string& out)
     }
 }
 
+}  // namespace
+
 std::uint64_t hash_of(const Node& root, std::uint64_t seed)
 {
     std::string canonical = fmt::format("seed{}:", seed);
     serialise(root, canonical);
     return XXH64(canonical.data(), canonical.size(), 0);
 }
+
+namespace
+{
 
 // -- The sections -------------------------------------------------------------------------------------------------------
 

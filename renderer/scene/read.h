@@ -13,4 +13,7 @@ namespace hoodoo
 /// else. Thread-safe.
 Description read_scene(const std::string& path_or_text, bool is_text, const SceneOverrides& overrides = {});
 
+/// Names what a tree says: keys sorted, numbers as they compare; places in files do not matter.
+std::uint64_t hash_of(const Node& root, std::uint64_t seed);
+
 }  // namespace hoodoo

@@ -9,6 +9,7 @@
 #include "renderer/scene/media.h"
 #include "renderer/scene/terrains.h"
 #include "renderer/shading/mask.h"
+#include "terrain/editable.h"
 
 #include <algorithm>
 #include <cmath>
@@ -83,7 +84,11 @@ Scene::Scene(SceneParts parts, const SceneOptions& options)
     name_materials(parts, options);
     describe_objects();
     if (options.progress) options.progress(0.0, "acceleration structure");
-    tracer_ = options.brute_force ? make_brute_force_tracer(shapes_) : make_embree_tracer(shapes_);
+    editable_ = options.editable;
+    Box3d room;
+    for (std::uint32_t i = 0; i < shapes_.size(); ++i)
+        if (const EditableSurface* surface = editable_surface(i)) room.extendBy(surface->room());
+    tracer_ = options.brute_force ? make_brute_force_tracer(shapes_) : make_embree_tracer(shapes_, {.editable = editable_, .room = room});
     find_eye();
 }
 
@@ -110,28 +115,64 @@ void Scene::name_materials(SceneParts& parts, const SceneOptions& options)
 
 void Scene::describe_objects()
 {
-    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    for (std::uint32_t i = 0; i < shapes_.size(); ++i) {
+        describe(i);
         if (const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shapes_[i])) {
-            objects_[i].info = (*surface)->info();
-            for (std::uint32_t tile = 0; tile < (*surface)->tile_count(); ++tile)
-                for (std::uint32_t k = 0; k < (*surface)->patch_count(tile); ++k) extend(bounds_, (*surface)->patch_bounds({tile, k}));
+            for (std::uint32_t tile = 0; tile < (*surface)->tile_count(); ++tile) extend_bounds(**surface, tile);
         } else if (const auto* mesh = std::get_if<TriangleMesh>(&shapes_[i])) {
-            objects_[i].info.patches = mesh->triangles.size();
-            objects_[i].info.trace_bytes = mesh_bytes(*mesh);
             extend(bounds_, mesh_bounds(*mesh));
         }
-        if (const Instances* instances = instances_of(shapes_[i])) {
-            objects_[i].info.rocks = instances->rocks;
-            objects_[i].info.patches += instances->instances.size();
-            objects_[i].info.trace_bytes += instances->instances.size() * sizeof(Instance);
-            std::vector<Box3d> boxes;
-            for (const TriangleMesh& mesh : instances->meshes) {
-                objects_[i].info.trace_bytes += mesh_bytes(mesh);
-                boxes.push_back(mesh_bounds(mesh));
-            }
-            for (const Instance& instance : instances->instances) extend(bounds_, instance_bounds(instance, boxes[instance.mesh]));
-        }
+        if (const Instances* instances = instances_of(shapes_[i])) extend_bounds(*instances);
     }
+}
+
+void Scene::describe(std::uint32_t object)
+{
+    SurfaceInfo& info = objects_[object].info;
+    info = {};
+    if (const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shapes_[object])) {
+        info = (*surface)->info();
+    } else if (const auto* mesh = std::get_if<TriangleMesh>(&shapes_[object])) {
+        info.patches = mesh->triangles.size();
+        info.trace_bytes = mesh_bytes(*mesh);
+    }
+    if (const Instances* instances = instances_of(shapes_[object])) {
+        info.rocks = instances->rocks;
+        info.patches += instances->instances.size();
+        info.trace_bytes += instances->instances.size() * sizeof(Instance);
+        for (const TriangleMesh& mesh : instances->meshes) info.trace_bytes += mesh_bytes(mesh);
+    }
+}
+
+void Scene::extend_bounds(const Surface& surface, std::uint32_t tile)
+{
+    for (std::uint32_t k = 0; k < surface.patch_count(tile); ++k) extend(bounds_, surface.patch_bounds({tile, k}));
+}
+
+void Scene::extend_bounds(const Instances& instances)
+{
+    std::vector<Box3d> boxes;
+    for (const TriangleMesh& mesh : instances.meshes) boxes.push_back(mesh_bounds(mesh));
+    for (const Instance& instance : instances.instances) extend(bounds_, instance_bounds(instance, boxes[instance.mesh]));
+}
+
+EditableSurface* Scene::editable_surface(std::uint32_t object)
+{
+    const auto* surface = std::get_if<std::unique_ptr<Surface>>(&shapes_[object]);
+    auto* edited = surface ? dynamic_cast<EditableSurface*>(surface->get()) : nullptr;
+    return editable_ && edited && edited->takes_edits() ? edited : nullptr;
+}
+
+void Scene::follow_edit(std::uint32_t object, const ColumnSet& changed)
+{
+    EditableSurface* surface = editable_surface(object);
+    if (!surface) throw Error(ErrorKind::internal, "an edit of a surface that cannot be edited");
+    const Rebuilt rebuilt = surface->rebuild(changed);
+    tracer_->update(object, rebuilt.tiles, rebuilt.rocks);
+    describe(object);
+    for (const std::uint32_t tile : rebuilt.tiles) extend_bounds(*surface, tile);
+    if (rebuilt.rocks != InstanceChange::none) extend_bounds(*surface->instances());
+    find_eye();
 }
 
 void Scene::find_eye()

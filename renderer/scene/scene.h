@@ -33,6 +33,7 @@ struct SceneOptions {
     int threads = 0;
     std::function<void(double fraction, const std::string& what)> progress;
     bool brute_force = false;  ///< the oracle instead of Embree
+    bool editable = false;     ///< layers may be edited afterwards
 };
 
 /// A scene made by code instead of a file. Materials without a look get the default one of their name.
@@ -46,7 +47,10 @@ struct SceneParts {
     Media media;
 };
 
-/// Thread-safe.
+class ColumnSet;
+class EditableSurface;
+
+/// Thread-safe, but for follow_edit().
 class Scene
 {
 public:
@@ -75,12 +79,23 @@ public:
     /// Whether there is nothing but air without haze, and surfaces that no light passes.
     bool is_plain() const { return plain_; }
 
-    /// Union of the objects' bounds, metres; a side that is infinite does not count. Empty without objects.
+    bool editable() const { return editable_; }
+    /// The surface of an object whose layers may be edited; nullptr if they may not.
+    EditableSurface* editable_surface(std::uint32_t object);
+    /// The layers of editable_surface(object) were edited there and nowhere else. Not while others use the scene. Throws Error (memory); Error
+    /// (scene) if the camera stands inside the ground now: all else is done then.
+    void follow_edit(std::uint32_t object, const ColumnSet& changed);
+
+    /// Union of the objects' bounds, metres; a side that is infinite does not count. Empty without objects. Edits only widen
+    /// it.
     const Box3d& bounds() const { return bounds_; }
 
 private:
     void name_materials(SceneParts& parts, const SceneOptions& options);
     void describe_objects();
+    void describe(std::uint32_t object);
+    void extend_bounds(const Surface& surface, std::uint32_t tile);
+    void extend_bounds(const Instances& instances);
     void find_eye();
     const Interior* around(const Vec3d& eye, double time) const;
 
@@ -96,6 +111,7 @@ private:
     std::array<const Interior*, 2> around_eye_{};
     std::unique_ptr<Tracer> tracer_;
     Box3d bounds_;
+    bool editable_ = false;
 };
 
 }  // namespace hoodoo

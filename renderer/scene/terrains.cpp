@@ -36,6 +36,9 @@ public:
     bool closed() const override { return surface_->closed(); }
     SurfaceInfo info() const override { return surface_->info(); }
     const Field* field() const override { return surface_->field(); }
+    std::vector<const Field*> fields() const override { return surface_->fields(); }
+    const Height* height() const override { return surface_->height(); }
+    const Instances* instances() const override { return surface_->instances(); }
     const Density* density() const override { return surface_->density(); }
 
 private:
@@ -82,6 +85,7 @@ private:
         BuildContext context = terrain_context(node, description_, options_.threads, options_.progress);
         context.shutter = {description_.time + camera_.shutter_open(), description_.time + camera_.shutter_close()};
         context.view = viewpoint(camera_, description_);
+        context.editable = options_.editable;
         context.base = [&](const std::string& name, const Source& where) { return base(name, where, node.name); };
         slot.shape = row.make(node.values, context);
         slot.building = false;

@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace hoodoo
@@ -20,6 +21,8 @@ class RockVolume
 public:
     virtual ~RockVolume() = default;
     virtual Box3d bounds() const = 0;  ///< of all that it holds; empty if nothing
+    /// Of all that it may come to hold while it is edited.
+    virtual Box3d room() const { return bounds(); }
     /// Encloses the heights that hold rocks over the rectangle; lo > hi if none do. Metres.
     virtual Interval heights(const Vec2d& lo, const Vec2d& hi) const = 0;
     virtual bool holds(const Vec3d& p) const = 0;
@@ -27,6 +30,12 @@ public:
     virtual bool air_within(const Vec3d& p, double distance) const = 0;
     /// Whether the point lies in matter that rocks rest on.
     virtual bool ground(const Vec3d& p) const = 0;
+};
+
+/// Where rocks are seen from: far ones need fewer triangles.
+struct RockView {
+    Vec3d eye{0.0};
+    double spread = 0.0;  ///< width of a pixel a metre of distance
 };
 
 struct RockOptions {
@@ -39,6 +48,7 @@ struct RockOptions {
     Vec3d shape{1.0};              ///< relative lengths of a mean rock along the axes; only their ratios count
     bool corner_cubes = false;     ///< instead of one tile repeated
     int level = 0;                 ///< of detail, 0 = finest
+    std::optional<RockView> view;  ///< rocks far from it are coarser than `level`, by rock_level(); absent: none is
     std::uint64_t seed = 0;
     std::vector<Vec3d> sites;           ///< given instead, shares of the tile in [0, 1)
     std::vector<Vec3d> contact_points;  ///< given instead, shares of the tile
@@ -53,6 +63,10 @@ double tile_length(const RockOptions& options);
 Vec3d shape_stretch(const RockOptions& options);
 /// Depth, rounding and detail for a roundness and a roughness.
 Weathering weathering_for(const RockOptions& options);
+
+/// The level of detail of a rock at `distance` from the eye, metres: the coarsest whose triangles are no larger than a pixel, but no finer than
+/// options.level. Where it changes no eye can tell: the two meshes differ by less than half a pixel (tests measure it).
+int rock_level(const RockOptions& options, double distance);
 
 /// The seed points that the options describe. Throws Error (scene) if they do not fit, and says what does.
 std::unique_ptr<SiteArrangement> make_sites(const RockOptions& options);
@@ -70,5 +84,36 @@ std::vector<Rock> make_tile(const RockOptions& options);
 /// The rocks that `volume` holds and that air can see, of material `rock`. The arrangement is anchored at `anchor`. Rocks that would touch neither
 /// another rock nor the ground are left out. Throws Error (scene) as make_sites, and if there would be more than 5e6.
 Instances place_rocks(const RockOptions& options, const RockVolume& volume, const Vec3d& anchor);
+
+/// A part of the plane, metres.
+struct Rectangle {
+    Vec2d lo{0.0}, hi{0.0};
+};
+
+/// The rocks of a volume that changes. Not while other threads use them.
+class RockPlacement
+{
+public:
+    /// `volume` is asked again whenever it changed. Throws as place_rocks.
+    RockPlacement(RockOptions options, std::shared_ptr<const RockVolume> volume, const Vec3d& anchor);
+    ~RockPlacement();
+    RockPlacement(const RockPlacement&) = delete;
+    RockPlacement& operator=(const RockPlacement&) = delete;
+
+    /// All of them. To be called once.
+    Instances place();
+
+    /// Makes `rocks`, which place() or follow() made, what place() would make now that the volume changed over `changed` and nowhere else: bit by
+    /// bit, but for the seconds it took. Its cost follows the rectangles, but for a copy of the list; corner cubes are placed anew, all of them.
+    /// Throws Error (scene) if there are more than 5e6 now: `rocks` is then as it was.
+    InstanceChange follow(std::span<const Rectangle> changed, Instances& rocks);
+
+    /// How far rocks may stick out of what holds them, metres.
+    double overhang() const;
+
+private:
+    class Impl;
+    std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace hoodoo

@@ -1,10 +1,12 @@
 // Questions about rock layers, answered from the columns' words (maths A9: the air-distance rule).
 //
 // A point at distance d from air: some column whose square is delta away horizontally has air within +- sqrt(d^2 - delta^2) of the point's height.
-// The own column is asked first, then rings around it, so that a rock near the ground's surface costs one column. Water counts as air: it does not
-// hide.
+// Where no tile of the stack has rock nothing else is asked. The own column is asked first, then rings around it, so that a rock near the ground's
+// surface costs one column. Water counts as air: it does not hide.
 
 #include "terrain/rocks/stack_rocks.h"
+
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +16,8 @@ namespace hoodoo
 namespace
 {
 
+constexpr int kBlock = MaterialStack::tile_size;
+
 bool is_open(Material m)
 {
     return m == Material::air || m == Material::water;
@@ -21,32 +25,70 @@ bool is_open(Material m)
 
 }  // namespace
 
-bool has_rock_layers(const MaterialStack& stack)
+StackRocks::StackRocks(std::shared_ptr<const MaterialStack> stack, Border border)
+    : stack_(std::move(stack)), border_(border), blocks_((stack_->size() + Vec2i(kBlock - 1)) / kBlock)
 {
-    for (int j = 0; j < stack.size().y; ++j)
-        for (int i = 0; i < stack.size().x; ++i)
-            for (const std::uint16_t word : stack.words(i, j))
-                if (MaterialStack::material_of(word) == Material::rock) return true;
-    return false;
+    rock_.resize(static_cast<std::size_t>(blocks_.x) * static_cast<std::size_t>(blocks_.y));
+    tbb::parallel_for(std::size_t(0), rock_.size(), [&](std::size_t k) { look_at_block(k); });
 }
 
-StackRocks::StackRocks(std::shared_ptr<const MaterialStack> stack, Border border) : stack_(std::move(stack)), border_(border)
+/// Of the columns [i0, i1) x [j0, j1) of the grid.
+StackRocks::Block StackRocks::look(int i0, int i1, int j0, int j1) const
 {
-    const MaterialStack& s = *stack_;
-    const Vec3d& o = s.origin();
-    for (int j = 0; j < s.size().y; ++j) {
-        for (int i = 0; i < s.size().x; ++i) {
+    Block block;
+    for (int j = j0; j < j1; ++j) {
+        for (int i = i0; i < i1; ++i) {
             std::int32_t below = 0;
-            for (const std::uint16_t word : s.words(i, j)) {
+            for (const std::uint16_t word : stack_->words(i, j)) {
                 const std::int32_t top = MaterialStack::top_of(word);
-                if (MaterialStack::material_of(word) == Material::rock) {
-                    bounds_.extendBy(Vec3d(o.x + i * s.cell(), o.y + j * s.cell(), o.z + below * s.unit()));
-                    bounds_.extendBy(Vec3d(o.x + (i + 1) * s.cell(), o.y + (j + 1) * s.cell(), o.z + top * s.unit()));
-                }
+                if (MaterialStack::material_of(word) == Material::rock)
+                    block.low = std::min(block.low, below), block.high = std::max(block.high, top);
                 below = top;
             }
         }
     }
+    return block;
+}
+
+void StackRocks::look_at_block(std::size_t index)
+{
+    const int i = static_cast<int>(index % static_cast<std::size_t>(blocks_.x)) * kBlock;
+    const int j = static_cast<int>(index / static_cast<std::size_t>(blocks_.x)) * kBlock;
+    rock_[index] = look(i, std::min(i + kBlock, stack_->size().x), j, std::min(j + kBlock, stack_->size().y));
+}
+
+void StackRocks::follow(const ColumnSet& changed)
+{
+    std::vector<std::size_t> blocks;
+    for (const std::uint32_t index : changed.indices()) {
+        const Vec2i c = changed.column(index) / kBlock;
+        blocks.push_back(static_cast<std::size_t>(c.y) * static_cast<std::size_t>(blocks_.x) + static_cast<std::size_t>(c.x));
+    }
+    std::sort(blocks.begin(), blocks.end());
+    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+    for (const std::size_t k : blocks) look_at_block(k);
+}
+
+Box3d StackRocks::bounds() const
+{
+    const Vec3d& o = stack_->origin();
+    const double width = kBlock * stack_->cell();
+    Box3d box;
+    for (std::size_t k = 0; k < rock_.size(); ++k) {
+        if (rock_[k].low > rock_[k].high) continue;
+        const double x = o.x + static_cast<double>(k % static_cast<std::size_t>(blocks_.x)) * width;
+        const double y = o.y + static_cast<double>(k / static_cast<std::size_t>(blocks_.x)) * width;
+        box.extendBy(Vec3d(x, y, o.z + rock_[k].low * stack_->unit()));
+        box.extendBy(Vec3d(std::min(x + width, o.x + stack_->size().x * stack_->cell()), std::min(y + width, o.y + stack_->size().y * stack_->cell()),
+                           o.z + rock_[k].high * stack_->unit()));
+    }
+    return box;
+}
+
+Box3d StackRocks::room() const
+{
+    const Vec3d size(stack_->size().x * stack_->cell(), stack_->size().y * stack_->cell(), MaterialStack::max_top * stack_->unit());
+    return {stack_->origin(), stack_->origin() + size};
 }
 
 Vec2i StackRocks::column_of(const Vec3d& p) const
@@ -59,19 +101,20 @@ Vec2i StackRocks::column_of(const Vec3d& p) const
 
 Interval StackRocks::heights(const Vec2d& lo, const Vec2d& hi) const
 {
-    const Vec2i a = column_of(Vec3d(lo.x, lo.y, 0.0)), b = column_of(Vec3d(hi.x, hi.y, 0.0));
-    std::int32_t lowest = MaterialStack::max_top + 1, highest = -1;
-    for (int j = std::max(a.y, 0); j <= std::min(b.y, stack_->size().y - 1); ++j) {
-        for (int i = std::max(a.x, 0); i <= std::min(b.x, stack_->size().x - 1); ++i) {
-            std::int32_t below = 0;
-            for (const std::uint16_t word : stack_->words(i, j)) {
-                const std::int32_t top = MaterialStack::top_of(word);
-                if (MaterialStack::material_of(word) == Material::rock) lowest = std::min(lowest, below), highest = std::max(highest, top);
-                below = top;
-            }
+    const Vec2i n = stack_->size();
+    Vec2i a = column_of(Vec3d(lo.x, lo.y, 0.0)), b = column_of(Vec3d(hi.x, hi.y, 0.0));
+    a = Vec2i(std::max(a.x, 0), std::max(a.y, 0)), b = Vec2i(std::min(b.x, n.x - 1), std::min(b.y, n.y - 1));
+    Block all;
+    for (int y = a.y / kBlock; a.x <= b.x && y <= b.y / kBlock && a.y <= b.y; ++y) {
+        for (int x = a.x / kBlock; x <= b.x / kBlock; ++x) {
+            const Block& block = rock_[static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks_.x) + static_cast<std::size_t>(x)];
+            if (block.low > block.high) continue;
+            const Block part = look(std::max(a.x, x * kBlock), std::min(b.x, x * kBlock + kBlock - 1) + 1, std::max(a.y, y * kBlock),
+                                    std::min(b.y, y * kBlock + kBlock - 1) + 1);
+            all.low = std::min(all.low, part.low), all.high = std::max(all.high, part.high);
         }
     }
-    return {stack_->origin().z + lowest * stack_->unit(), stack_->origin().z + highest * stack_->unit()};
+    return {stack_->origin().z + all.low * stack_->unit(), stack_->origin().z + all.high * stack_->unit()};
 }
 
 bool StackRocks::holds(const Vec3d& p) const

@@ -6,7 +6,7 @@
 // around t, then bisection with secant steps. Geometric normal: the field's gradient (one-sided). Shading normal: central differences with half-width
 // `normal_width` (continuous). Deviations: the paper polygonises; its triplanar weights belong to the renderer. Surfaces exist over the grid's
 // rectangle only: with `extend` the edge columns go on for the field's sake (no wall at the edge), but rays beyond it meet nothing. Water is a body
-// without a field, flat on top (march/water_patches.h), after all others. Missing: rocks are not placed anew by an edit.
+// without a field, flat on top (march/water_patches.h), after all others.
 #include "terrain/surfaces/convolution.h"
 
 #include "terrain/error.h"
@@ -16,7 +16,6 @@
 #include "terrain/stack/columns_around.h"
 #include "terrain/surfaces/refine.h"
 #include "terrain/surfaces/rock_source.h"
-#include "terrain/surfaces/rows.h"
 #include "terrain/surfaces/stack_materials.h"
 #include "terrain/surfaces/stack_source.h"
 
@@ -35,6 +34,14 @@ struct Body {
     std::unique_ptr<const ConvolutionField> field;
     std::unique_ptr<PatchIntersector> patches;
     std::uint32_t first_tile;
+};
+
+/// What edit() needs; no stack: nobody may call it.
+struct Editing {
+    std::shared_ptr<MaterialStack> stack;
+    EditContext how;
+    std::uint64_t seed = 0;
+    std::size_t number = 0;
 };
 
 class ConvolutionSurface final : public EditableSurface
@@ -60,20 +67,22 @@ public:
         shown_.show(material_set({Material::water}));
     }
 
-    std::vector<std::uint32_t> rebuild(const ColumnSet& changed) override
+    Rebuilt rebuild(const ColumnSet& changed) override
     {
-        std::vector<std::uint32_t> tiles;
+        Rebuilt rebuilt;
+        std::vector<std::uint32_t>& tiles = rebuilt.tiles;
         for (Body& body : bodies_) {
             for (const std::uint32_t tile : body.patches->rebuild(changed)) tiles.push_back(body.first_tile + tile);
         }
-        if (!water_) return tiles;
+        if (lying_) rebuilt.rocks = lying_->follow(changed);
+        if (!water_) return rebuilt;
         // Water levels reach far: its boxes are made anew, all of them.
         const auto before = std::move(water_);
         water_ = std::make_unique<WaterPatches>(*bodies_.front().field);
         for (std::uint32_t tile = 0; tile < water_->tile_count(); ++tile) {
             if (before->patch_count(tile) > 0 || water_->patch_count(tile) > 0) tiles.push_back(first_water_tile_ + tile);
         }
-        return tiles;
+        return rebuilt;
     }
 
     Box3d room() const override
@@ -82,14 +91,29 @@ public:
         const double sigma = bodies_.front().field->sigma(), floor = bodies_.front().field->ground().floor();
         const Vec3d size(stack_->size().x * stack_->cell(), stack_->size().y * stack_->cell(), MaterialStack::max_top * stack_->unit());
         const double below = bodies_.front().field->ground().border() == Border::cut ? -floor * stack_->unit() : 0.0;
-        return Box3d(stack_->origin() - Vec3d(sigma, sigma, sigma + below), stack_->origin() + size + Vec3d(sigma));
+        const double around = std::max(sigma, lying_ ? lying_->overhang() : 0.0);
+        return Box3d(stack_->origin() - Vec3d(around, around, around + below), stack_->origin() + size + Vec3d(around));
+    }
+
+    /// The next edits are those of a terrain with that seed that has had `number` of them.
+    void allow_edits(std::shared_ptr<MaterialStack> stack, EditContext how, std::uint64_t seed, std::size_t number)
+    {
+        editing_ = {std::move(stack), std::move(how), seed, number};
+    }
+    bool takes_edits() const override { return editing_.stack != nullptr; }
+    ColumnSet edit(const std::string& tool, const Node& parameters) override
+    {
+        if (!takes_edits()) throw Error(ErrorKind::internal, "the stack of this surface is edited by its owner");
+        ColumnSet changed = apply_edit(*editing_.stack, tool, parameters, editing_.seed, editing_.number, editing_.how);
+        ++editing_.number;
+        return changed;
     }
 
     /// Rocks that lie on the ground; their material joins the names.
-    void add_rocks(Instances rocks)
+    void add_rocks(std::unique_ptr<LyingRocks> lying)
     {
-        rocks_ = std::move(rocks);
-        rocks_.material_index = shown_.show(rocks_.material);
+        lying_ = std::move(lying);
+        lying_->rocks.material_index = shown_.show("rock");
     }
 
     void set_build_seconds(double seconds) { build_seconds_ = seconds; }
@@ -171,7 +195,7 @@ public:
     }
 
     std::vector<std::string> materials() const override { return shown_.names(); }
-    const Instances* instances() const override { return rocks_.instances.empty() ? nullptr : &rocks_; }
+    const Instances* instances() const override { return lying_ ? &lying_->rocks : nullptr; }
     bool closed() const override { return bodies_.front().field->ground().border() == Border::cut; }
 
     /// Two bodies have no common field.
@@ -260,7 +284,8 @@ private:
     std::uint32_t first_water_tile_ = 0;
     std::uint32_t tiles_ = 0;
     StackMaterials shown_;
-    Instances rocks_;
+    std::unique_ptr<LyingRocks> lying_;
+    Editing editing_;
     double build_seconds_ = 0.0;
 };
 
@@ -292,11 +317,13 @@ bool has_material(const MaterialStack& stack, Material material)
     return false;
 }
 
+}  // namespace
+
 Shape make_convolution(const Values& values, const BuildContext& context)
 {
     const auto start = std::chrono::steady_clock::now();
     if (context.progress) context.progress(0.0, "layers");
-    const std::shared_ptr<const MaterialStack> stack = make_stack(values, context);
+    const std::shared_ptr<MaterialStack> stack = make_stack(values, context);
     const double sigma = stack_kernel(values, stack->cell());
     MaterialSet set = 0;
     for (const std::string& name : values.names("materials")) set = static_cast<MaterialSet>(set | material_set({material_from_name(name)}));
@@ -312,20 +339,20 @@ Shape make_convolution(const Values& values, const BuildContext& context)
     auto surface = std::make_unique<ConvolutionSurface>(stack, values.number("normal_width") * stack->cell());
     const Ground ground(stack, set, border, static_cast<std::int32_t>(base));
     surface->add_body(ground, sigma, choose_intersector(values, ground, sigma));
-    if (rocks == "surface" && !ground.contains(Material::rock) && has_material(*stack, Material::rock)) {
+    const auto shows = [&](Material m) { return !ground.contains(m) && (context.editable || has_material(*stack, m)); };
+    if (rocks == "surface" && shows(Material::rock)) {
         const Ground rock(stack, material_set({Material::rock}), border, static_cast<std::int32_t>(base));
         surface->add_body(rock, sigma, choose_intersector(values, rock, sigma));
     }
-    if (values.text("water") == "surface" && !ground.contains(Material::water) && has_material(*stack, Material::water)) surface->add_water();
+    if (values.text("water") == "surface" && shows(Material::water)) surface->add_water();
     if (rocks == "instances" && !ground.contains(Material::rock)) {
-        Instances lying = stack_rocks(stack, border, values, context);
-        if (!lying.instances.empty()) surface->add_rocks(std::move(lying));
+        auto lying = std::make_unique<LyingRocks>(stack, border, values, context);
+        if (context.editable || !lying->rocks.instances.empty()) surface->add_rocks(std::move(lying));
     }
+    if (context.editable) surface->allow_edits(stack, edit_context(values, context, stack->cell()), context.seed, values.tables("edit").size());
     surface->set_build_seconds(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     return surface;
 }
-
-}  // namespace
 
 std::unique_ptr<EditableSurface> make_convolution_surface(std::shared_ptr<const MaterialStack> stack, const ConvolutionOptions& options)
 {
@@ -341,56 +368,6 @@ std::unique_ptr<EditableSurface> make_convolution_surface(std::shared_ptr<const 
     if (options.rocks && (options.materials & rock) == 0) add(rock);
     if (options.water && (options.materials & material_set({Material::water})) == 0) surface->add_water();
     return surface;
-}
-
-CatalogueEntry convolution_row()
-{
-    Schema schema{"convolution", "Layers of material under a smoothing kernel: cliffs, overhangs, arches and caves.", stack_parameters()};
-    const std::vector<Parameter> own = {
-        {.name = "materials",
-         .type = ParameterType::names,
-         .doc = "What is ground: one smooth body.",
-         .fallback = std::vector<std::string>{"sand", "bedrock", "soil"},
-         .choices = {"water", "sand", "bedrock", "rock", "soil"},
-         .min_count = 1,
-         .max_count = 5},
-        {.name = "rocks",
-         .type = ParameterType::choice,
-         .doc = "Rock layers: single rocks that touch, a smooth surface of their own, part of the ground, or not traced.",
-         .fallback = std::string("instances"),
-         .choices = {"instances", "surface", "ground", "hidden"}},
-        {.name = "water",
-         .type = ParameterType::choice,
-         .doc = "Water layers: a flat surface of their own, or not traced.",
-         .fallback = std::string("surface"),
-         .choices = {"surface", "hidden"}},
-        {.name = "border",
-         .type = ParameterType::choice,
-         .doc = "Edge columns go on for ever, or the block is cut out with walls and a bottom.",
-         .fallback = std::string("extend"),
-         .choices = {"extend", "cut"}},
-        {.name = "base",
-         .type = ParameterType::length,
-         .doc = "Thickness of a cut block below the datum; 2 sigma by default.",
-         .unit = "m",
-         .minimum = 0,
-         .above_minimum = true},
-        {.name = "intersector",
-         .type = ParameterType::choice,
-         .doc = "exact: closed form, needs 2 sigma a multiple of the cell; sphere: any sigma, less memory; auto: exact where possible.",
-         .fallback = std::string("auto"),
-         .choices = {"auto", "exact", "sphere"}},
-        {.name = "normal_width",
-         .type = ParameterType::number,
-         .doc = "Half-width of the differences that give shading normals.",
-         .fallback = 0.75,
-         .unit = "cell",
-         .minimum = 0.01,
-         .maximum = 8},
-    };
-    for (Parameter& p : rock_parameters(0.0)) schema.parameters.push_back(std::move(p));
-    schema.parameters.insert(schema.parameters.end(), own.begin(), own.end());
-    return {"convolution", "Peytavie2009", std::move(schema), make_convolution, make_stack};
 }
 
 }  // namespace hoodoo

@@ -1,27 +1,20 @@
-// A layer stack as a surface that stays alive while its stack is edited: what an editor holds between strokes.
+// A layer stack as a surface that stays alive while its owner edits the stack.
 #pragma once
 
+#include "terrain/editable.h"
 #include "terrain/stack/column_set.h"
 #include "terrain/stack/material_stack.h"
-#include "terrain/surface.h"
 
 #include <memory>
 
 namespace hoodoo
 {
 
-/// A Surface that follows edits of its stack. The owner changes the stack in place (edit/tools.h), then calls rebuild with the columns that changed,
-/// then Tracer::update with the tiles that rebuild returns; none of the three while other threads trace.
-class EditableSurface : public Surface
-{
-public:
-    /// Makes the tiles that read these columns anew, exactly as a new surface would, and returns them, ascending. Its cost follows the
-    /// columns, but for water.
-    virtual std::vector<std::uint32_t> rebuild(const ColumnSet& changed) = 0;
+class Values;
+struct BuildContext;
 
-    /// Space that edits of the stack can come to fill, metres.
-    virtual Box3d room() const = 0;
-};
+/// What the catalogue's row makes of its parameters. Throws Error (scene, file).
+Shape make_convolution(const Values& values, const BuildContext& context);
 
 struct ConvolutionOptions {
     MaterialSet materials = material_set({Material::sand, Material::bedrock, Material::soil});  ///< one smooth body

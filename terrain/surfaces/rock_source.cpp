@@ -4,9 +4,8 @@
 
 #include "terrain/math/hash.h"
 #include "terrain/rocks/rock_mesh.h"
-#include "terrain/rocks/stack_rocks.h"
 
-#include <fmt/format.h>
+#include <chrono>
 
 namespace hoodoo
 {
@@ -70,10 +69,15 @@ std::vector<Parameter> rock_parameters(double size)
          .choices = {"periodic", "corner_cubes"}},
         {.name = "rock_detail",
          .type = ParameterType::integer,
-         .doc = "Level of detail of the meshes: 0 = 8000 triangles a rock, 1 = 2880, 2 = 720, 3 = 180.",
+         .doc = "Finest level of detail of the meshes: 0 = 8000 triangles a rock, 1 = 2880, 2 = 720, 3 = 180.",
          .fallback = std::int64_t(0),
          .minimum = 0,
          .maximum = kRockLevels - 1},
+        {.name = "rock_far_detail",
+         .type = ParameterType::choice,
+         .doc = "Rocks far from the camera: as coarse as no eye can tell, or as fine as near ones.",
+         .fallback = std::string("by_distance"),
+         .choices = {"by_distance", "full"}},
         sites,
         contacts,
     };
@@ -91,6 +95,7 @@ RockOptions rock_options(const Values& values, const BuildContext& context, doub
     options.shape = values.vec3("rock_shape");
     options.corner_cubes = values.text("rock_tiling") == "corner_cubes";
     options.level = static_cast<int>(values.integer("rock_detail"));
+    if (context.view && values.text("rock_far_detail") == "by_distance") options.view = RockView{context.view->eye, context.view->spread};
     options.seed = hash_name(context.seed, "rocks");
     options.sites = values.points("rock_sites");
     options.contact_points = values.points("rock_contact_points");
@@ -102,12 +107,35 @@ RockOptions rock_options(const Values& values, const BuildContext& context, doub
     return options;
 }
 
-Instances stack_rocks(std::shared_ptr<const MaterialStack> stack, Border border, const Values& values, const BuildContext& context)
+LyingRocks::LyingRocks(std::shared_ptr<const MaterialStack> stack, Border border, const Values& values, const BuildContext& context)
+    : stack_(std::move(stack))
 {
-    if (!has_rock_layers(*stack)) return {};
+    const auto start = std::chrono::steady_clock::now();
+    volume_ = std::make_shared<StackRocks>(stack_, border);
+    if (volume_->bounds().isEmpty() && !context.editable) return;
     if (context.progress) context.progress(0.6, "rocks");
-    const StackRocks volume(stack, border);
-    return place_rocks(rock_options(values, context, stack->cell()), volume, stack->origin());
+    const double looking = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    placement_ = std::make_unique<RockPlacement>(rock_options(values, context, stack_->cell()), volume_, stack_->origin());
+    rocks = placement_->place();
+    rocks.rocks.instancing_seconds += looking;
+    if (!context.editable) placement_.reset();
+}
+
+InstanceChange LyingRocks::follow(const ColumnSet& changed)
+{
+    if (!placement_ || changed.empty()) return InstanceChange::none;
+    volume_->follow(changed);
+    // Runs of columns along x.
+    std::vector<Rectangle> parts;
+    const Vec2d origin(stack_->origin().x, stack_->origin().y);
+    const double cell = stack_->cell();
+    for (std::size_t k = 0; k < changed.count();) {
+        const Vec2i first = changed.column(changed.indices()[k]);
+        int end = first.x;
+        for (; k < changed.count() && changed.column(changed.indices()[k]) == Vec2i(end, first.y); ++k) ++end;
+        parts.push_back({origin + Vec2d(first.x * cell, first.y * cell), origin + Vec2d(end * cell, (first.y + 1) * cell)});
+    }
+    return placement_->follow(parts, rocks);
 }
 
 }  // namespace hoodoo

@@ -7,7 +7,6 @@
 // which would make the drift one-sided; layers that follow another layer's boundary in depth.
 #include "terrain/surfaces/stack_source.h"
 
-#include "terrain/edit/tools.h"
 #include "terrain/error.h"
 #include "terrain/fields/height_shapes.h"
 #include "terrain/io/height_image.h"
@@ -359,16 +358,21 @@ std::shared_ptr<MaterialStack> stack_from_file(const Values& values, const Build
 
 }  // namespace
 
+EditContext edit_context(const Values& values, const BuildContext& context, double cell)
+{
+    return {
+        .sigma = stack_kernel(values, cell),
+        .repose = {values.number("repose_sand"), values.number("repose_soil"), values.number("repose_rock")},
+        .resolve = context.resolve,
+    };
+}
+
 std::shared_ptr<MaterialStack> make_stack(const Values& values, const BuildContext& context)
 {
     const auto stack = values.has("stack") ? stack_from_file(values, context) : stack_from_layers(values, context);
     const std::vector<Values>& edits = values.tables("edit");
-    const EditContext edit_context{
-        .sigma = stack_kernel(values, stack->cell()),
-        .repose = {values.number("repose_sand"), values.number("repose_soil"), values.number("repose_rock")},
-        .resolve = context.resolve,
-    };
-    for (std::size_t k = 0; k < edits.size(); ++k) apply_edit(*stack, edits[k], context.seed, k, edit_context);
+    const EditContext how = edit_context(values, context, stack->cell());
+    for (std::size_t k = 0; k < edits.size(); ++k) apply_edit(*stack, edits[k], context.seed, k, how);
     return stack;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "terrain/catalogue.h"
+#include "terrain/edit/tools.h"
 #include "terrain/stack/material_stack.h"
 
 #include <memory>
@@ -14,6 +15,9 @@ std::vector<Parameter> stack_parameters();
 
 /// Half-width of the kernel, metres, from `sigma` or `sigma_cells`. Throws Error (scene) if it is too wide.
 double stack_kernel(const Values& values, double cell);
+
+/// What the terrain's edits go by; `cell` is the width of its columns, metres.
+EditContext edit_context(const Values& values, const BuildContext& context, double cell);
 
 /// Throws Error (scene, file) at the value that cannot be.
 std::shared_ptr<MaterialStack> make_stack(const Values& values, const BuildContext& context);

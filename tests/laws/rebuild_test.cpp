@@ -139,8 +139,7 @@ TEST(Rebuild, of_what_an_edit_touched_is_the_full_rebuild_bit_for_bit)
         int hits = 0;
         for (int k = 0; k < edits; ++k) {
             const ColumnSet changed = edit_somewhere(*stack, static_cast<std::uint64_t>(k));
-            const std::vector<std::uint32_t> tiles = surface.rebuild(changed);
-            tracer->update(0, tiles);
+            tracer->update(0, surface.rebuild(changed).tiles);
             std::vector<Shape> fresh;
             fresh.emplace_back(make_convolution_surface(stack, c.options));
             EXPECT_EQ(difference(surface, *std::get<std::unique_ptr<Surface>>(fresh[0]), static_cast<std::uint64_t>(k), 2), "")
@@ -171,7 +170,7 @@ TEST(Rebuild, that_forgets_a_tile_or_the_kernels_reach_is_found_out)
             surface->rebuild(ColumnSet(stack->size(), {ColumnSet(stack->size()).index(80, 60)}));
             ++tried;
             found += !difference(*surface, *make_convolution_surface(stack, c.options), 1, 2).empty();
-            const std::vector<std::uint32_t> tiles = surface->rebuild(ColumnSet(stack->size(), {ColumnSet(stack->size()).index(column, 20)}));
+            const std::vector<std::uint32_t> tiles = surface->rebuild(ColumnSet(stack->size(), {ColumnSet(stack->size()).index(column, 20)})).tiles;
             most = std::max(most, tiles.size());
             EXPECT_EQ(difference(*surface, *make_convolution_surface(stack, c.options), 1, 2), "") << c.name;
             stack->set_column(column, 20, before);
@@ -203,7 +202,7 @@ TEST(Rebuild, of_water_that_comes_and_goes_is_the_full_rebuild_too)
                 changed.push_back(ColumnSet(stack->size()).index(i, j));
             }
         }
-        tracer->update(0, surface.rebuild(ColumnSet(stack->size(), changed)));
+        tracer->update(0, surface.rebuild(ColumnSet(stack->size(), changed)).tiles);
         std::vector<Shape> fresh;
         fresh.emplace_back(make_convolution_surface(stack, options));
         EXPECT_EQ(difference(surface, *std::get<std::unique_ptr<Surface>>(fresh[0]), 5, 2), "");
@@ -216,9 +215,9 @@ TEST(Rebuild, costs_what_it_touches)
 {
     const auto stack = country(9);
     const auto surface = make_convolution_surface(stack);
-    const std::vector<std::uint32_t> inside = surface->rebuild(ColumnSet(stack->size(), {ColumnSet(stack->size()).index(48, 40)}));
+    const std::vector<std::uint32_t> inside = surface->rebuild(ColumnSet(stack->size(), {ColumnSet(stack->size()).index(48, 40)})).tiles;
     EXPECT_EQ(inside.size(), 2u);  // one tile of ground, one of rock
-    EXPECT_TRUE(surface->rebuild(ColumnSet(stack->size())).empty());
+    EXPECT_TRUE(surface->rebuild(ColumnSet(stack->size())).tiles.empty());
 }
 
 TEST(Rebuild, beyond_the_room_it_was_given_moves_the_tracers_boxes)
@@ -233,10 +232,12 @@ TEST(Rebuild, beyond_the_room_it_was_given_moves_the_tracers_boxes)
     const Ray down{.origin = Vec3d(120, -20, 300), .direction = Vec3d(0, 0, -1)};
     EXPECT_LT(tracer->intersect(down).t, 300.0);
     tracer->update(
-        0, surface.rebuild(testing::edit(
-               *stack, "sweep",
-               testing::table(
-                   {{"points", testing::list({{120.0, -20.0, 90.0}})}, {"radius", {4.0}}, {"mode", "add"}, {"stabilise", testing::flag(false)}}))));
+        0, surface
+               .rebuild(testing::edit(
+                   *stack, "sweep",
+                   testing::table(
+                       {{"points", testing::list({{120.0, -20.0, 90.0}})}, {"radius", {4.0}}, {"mode", "add"}, {"stabilise", testing::flag(false)}})))
+               .tiles);
     EXPECT_NEAR(tracer->intersect(down).t, 300 - 94, 0.3);
 }
 
