@@ -6,7 +6,7 @@
 // the tile; ids count in this order, seeds are hashed from tile and site, so neighbours do not change when a rock goes.
 // All that a rock asks lies within a known distance of its point: after an edit only columns of tiles within that distance are asked again.
 // Meshes: those of a periodic tile, each rock at each level of detail that the room may need, so that a mesh keeps its number when rocks come and go;
-// with corner cubes those that are seen. Detail goes by the distance to the eye: triangles are kept under a pixel.
+// with corner cubes those that are seen.
 // Deviations: the paper keeps rocks that float at the rim of a layer. Missing: whether a pile would stand.
 
 #include "terrain/rocks/placement.h"
@@ -18,6 +18,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -37,13 +38,10 @@ double seconds_since(Clock::time_point start)
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-Error too_many(const RockOptions& options, double count)
+Error too_many(const RockOptions& options, const std::string& count)
 {
-    return Error(ErrorKind::scene, Problem{options.where,
-                                           "too many rocks",
-                                           fmt::format("a rock_size so large that there are at most {}", kMostRocks),
-                                           fmt::format("about {:.2g}", count),
-                                           {}});
+    return Error(ErrorKind::scene,
+                 Problem{options.where, "too many rocks", fmt::format("a rock_size so large that there are at most {}", kMostRocks), count, {}});
 }
 
 std::vector<SiteId> tile_ids(const SiteArrangement& sites)
@@ -94,12 +92,10 @@ public:
         }
         std::vector<std::vector<Instance>> lists(tiles.size());
         const double reach = 2.0 * table_->cells().max_radius();
-        tbb::parallel_for(std::size_t(0), tiles.size(),
-                          [&](std::size_t c) { lists[c] = standing(options_.corner_cubes ? std::move(seen[c]) : visible(tiles[c], reach)); });
+        fill_lists(lists, [&](std::size_t c) { return standing(options_.corner_cubes ? std::move(seen[c]) : visible(tiles[c], reach)); });
         columns_.clear();
         count_ = 0;
         for (std::size_t c = 0; c < tiles.size(); ++c) count_ += lists[c].size();
-        if (count_ > kMostRocks) throw too_many(options_, static_cast<double>(count_));
         for (std::size_t c = 0; c < tiles.size(); ++c)
             if (!lists[c].empty()) columns_.emplace_hint(columns_.end(), tiles[c], std::move(lists[c]));
         Instances rocks;
@@ -121,7 +117,7 @@ public:
         const std::vector<TileColumn> tiles = columns_near(changed);
         std::vector<std::vector<Instance>> lists(tiles.size());
         const double reach = 2.0 * table_->cells().max_radius();
-        tbb::parallel_for(std::size_t(0), tiles.size(), [&](std::size_t c) { lists[c] = standing(visible(tiles[c], reach)); });
+        fill_lists(lists, [&](std::size_t c) { return standing(visible(tiles[c], reach)); });
         const auto known = [&](const TileColumn& tile) -> std::span<const Instance> {
             const auto found = columns_.find(tile);
             return found == columns_.end() ? std::span<const Instance>() : found->second;
@@ -133,7 +129,7 @@ public:
             total += lists[c].size() - before.size();
             same = same && std::equal(before.begin(), before.end(), lists[c].begin(), lists[c].end(), is_same);
         }
-        if (total > kMostRocks) throw too_many(options_, static_cast<double>(total));
+        if (total > kMostRocks) throw too_many(options_, "more");
         if (same) return InstanceChange::none;
         for (std::size_t c = 0; c < tiles.size(); ++c) {
             if (lists[c].empty())
@@ -146,6 +142,8 @@ public:
         rocks.rocks.instances = count_;
         return InstanceChange::places;
     }
+
+    double reach() const { return reach_; }
 
     double overhang() const
     {
@@ -161,6 +159,17 @@ private:
         int y, x;
         auto operator<=>(const TileColumn&) const = default;
     };
+
+    /// lists[c] = make(c), in parallel; stops as soon as they hold too many.
+    template <class Item, class Make>
+    void fill_lists(std::vector<std::vector<Item>>& lists, Make&& make) const
+    {
+        std::atomic<std::size_t> total{0};
+        tbb::parallel_for(std::size_t(0), lists.size(), [&](std::size_t c) {
+            lists[c] = make(c);
+            if (total.fetch_add(lists[c].size(), std::memory_order_relaxed) > kMostRocks) throw too_many(options_, "more");
+        });
+    }
 
     Vec3d world(const SiteId& id) const { return anchor_ + sites_->position(id) * stretch_; }
     double tile_of(double x, int k) const { return std::floor((x - anchor_[k]) / edge_[k]); }
@@ -196,10 +205,9 @@ private:
     {
         std::vector<std::vector<SiteId>> seen(tiles.size());
         for (double reach = kCellReach * sites_->radius() * std::max({stretch_.x, stretch_.y, stretch_.z});;) {
-            tbb::parallel_for(std::size_t(0), tiles.size(), [&](std::size_t c) { seen[c] = visible(tiles[c], 2.0 * reach); });
+            fill_lists(seen, [&](std::size_t c) { return visible(tiles[c], 2.0 * reach); });
             std::vector<SiteId> ids;
             for (const auto& list : seen) ids.insert(ids.end(), list.begin(), list.end());
-            if (ids.size() > kMostRocks) throw too_many(options_, static_cast<double>(ids.size()));
             table_ = std::make_unique<RockTable>(*sites_, ids, options_);
             if (table_->cells().max_radius() <= reach) break;
             reach = table_->cells().max_radius();
@@ -225,7 +233,7 @@ private:
     {
         if (box.isEmpty()) return {};
         const double nx = tile_of(box.max.x, 0) - tile_of(box.min.x, 0) + 1, ny = tile_of(box.max.y, 1) - tile_of(box.min.y, 1) + 1;
-        if (nx * ny * sites_->density() > 1e9) throw too_many(options_, nx * ny * sites_->density());
+        if (nx * ny * sites_->density() > 1e9) throw too_many(options_, fmt::format("about {:.2g}", nx * ny * sites_->density()));
         const auto x0 = static_cast<int>(tile_of(box.min.x, 0)), y0 = static_cast<int>(tile_of(box.min.y, 1));
         std::vector<TileColumn> all;
         for (int y = 0; y < static_cast<int>(ny); ++y)
@@ -241,6 +249,7 @@ private:
             const std::vector<TileColumn> more = columns_over(
                 Box3d(Vec3d(part.lo.x - reach_, part.lo.y - reach_, anchor_.z), Vec3d(part.hi.x + reach_, part.hi.y + reach_, anchor_.z)));
             all.insert(all.end(), more.begin(), more.end());
+            if (static_cast<double>(all.size()) * sites_->density() > 1e9) throw too_many(options_, "more");
         }
         std::sort(all.begin(), all.end());
         all.erase(std::unique(all.begin(), all.end()), all.end());
@@ -341,6 +350,10 @@ Instances RockPlacement::place()
 InstanceChange RockPlacement::follow(std::span<const Rectangle> changed, Instances& rocks)
 {
     return impl_->follow(changed, rocks);
+}
+double RockPlacement::reach() const
+{
+    return impl_->reach();
 }
 double RockPlacement::overhang() const
 {

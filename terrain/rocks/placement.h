@@ -64,7 +64,7 @@ Vec3d shape_stretch(const RockOptions& options);
 /// Depth, rounding and detail for a roundness and a roughness.
 Weathering weathering_for(const RockOptions& options);
 
-/// The level of detail of a rock at `distance` from the eye, metres: the coarsest whose triangles are no larger than a pixel, but no finer than
+/// The level of detail of a rock at `distance` from the eye, metres: the coarsest with 16 triangles or more a pixel, but no finer than
 /// options.level. Where it changes no eye can tell: the two meshes differ by less than half a pixel (tests measure it).
 int rock_level(const RockOptions& options, double distance);
 
@@ -107,6 +107,9 @@ public:
     /// bit, but for the seconds it took. Its cost follows the rectangles, but for a copy of the list; corner cubes are placed anew, all of them.
     /// Throws Error (scene) if there are more than 5e6 now: `rocks` is then as it was.
     InstanceChange follow(std::span<const Rectangle> changed, Instances& rocks);
+
+    /// How far from its seed point, horizontally, a rock of the periodic tile depends on the volume, metres.
+    double reach() const;
 
     /// How far rocks may stick out of what holds them, metres.
     double overhang() const;

@@ -1,7 +1,7 @@
 // From what a scene says about rocks to lengths, shapes and seed points.
 //
-// Level of detail: a rock n pixels wide shows half its triangles on n^2 pi / 4 pixels, so with 2 n^2 pi / 4 of them each is a pixel large; then the
-// mesh leaves the rock by the height of an arc whose chord is a pixel, far less than one.
+// Level of detail: a rock n pixels wide shows half its triangles on n^2 pi / 4 pixels. Measured (tests/laws/rebuild_rocks_test.cpp), with triangles
+// as large as a pixel a mesh leaves its rock by up to 1.5 pixels, at the rims of worn faces; at a quarter of the width by less than half a pixel.
 
 #include "terrain/rocks/corner_cubes.h"
 #include "terrain/rocks/placement.h"
@@ -22,6 +22,7 @@ namespace
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kDefaultShare = 0.93;    // of the saturated radius: reached within milliseconds up to hundreds of rocks
+constexpr double kTriangles = 16.0;       // of a rock's mesh on a pixel, from where on a coarser one will do
 constexpr double kSaturatedShare = 0.97;  // of corner cubes, which are filled up: then they hold about as many as asked
 
 }  // namespace
@@ -87,7 +88,7 @@ int rock_level(const RockOptions& options, double distance)
     const double size = options.size * std::max({stretch.x, stretch.y, stretch.z}), pixel = options.view->spread * std::max(0.0, distance - size);
     int level = options.level;
     while (level + 1 < kRockLevels) {
-        const double pixels = std::sqrt(2.0 * static_cast<double>(rock_triangles(level + 1)) / kPi);
+        const double pixels = std::sqrt(2.0 * static_cast<double>(rock_triangles(level + 1)) / (kPi * kTriangles));
         if (!(size <= pixels * pixel)) break;
         ++level;
     }

@@ -450,3 +450,74 @@ top = 4.0
     first = scene.intersect([[2.1, -20, 2.0]], [[0, 1, 0]])["t"][0]
     assert through[0] == first
     assert math.isclose(through[0] - 20.0, 24.0 - through[1], abs_tol=1e-6)   # the block is its own mirror image
+
+
+LIVING = """
+version = 1
+[camera]
+eye = [-9, 6, 17]
+target = [14, 14, 3]
+[film]
+width = 32
+height = 24
+[render]
+spp = 4
+[light.sky]
+type = "constant"
+radiance = { grey = 1.0 }
+[terrain.ground]
+type = "convolution"
+columns = [56, 48]
+cell = 0.5
+rock_size = 0.8
+rock_detail = 3
+[[terrain.ground.layer]]
+shape = "fractal"
+height = 4.0
+relief = 2.0
+wavelength = 20.0
+"""
+
+
+def test_a_living_scene_follows_its_edits_and_equals_one_loaded_with_them():
+    scene = hoodoo.load(LIVING, editable=True)
+    before = scene.render()
+    columns = scene.edit("deposit", points=[[8, 8, 6], [18, 12, 6]], radius=[3], material="rock", amount=0.6)
+    scene.edit("sculpt", terrain="ground", target=[14, 16, 5], radius=4, mode="carve")
+    assert columns.dtype == np.int32 and columns.shape[1] == 2 and len(columns) > 100
+    after = scene.render()
+    fresh = hoodoo.load(LIVING + """
+[[terrain.ground.edit]]
+tool = "deposit"
+points = [[8, 8, 6], [18, 12, 6]]
+radius = [3]
+material = "rock"
+amount = 0.6
+[[terrain.ground.edit]]
+tool = "sculpt"
+target = [14, 16, 5]
+radius = 4
+mode = "carve"
+""").render()
+    for channel in ("R", "G", "B", "Z", "N.X"):
+        assert np.array_equal(after[channel], fresh[channel]), channel
+    assert not np.array_equal(after["R"], before["R"])
+    hit = scene.intersect([[14.0, 16.0, 50.0]], [[0, 0, -1]])
+    assert hit["t"][0] > 45.0
+
+
+def test_edits_of_a_scene_wait_for_the_threads_that_look_at_it():
+    scene = hoodoo.load(LIVING, editable=True)
+    origins = np.tile([[14.0, 16.0, 50.0]], (20000, 1))
+    seen = []
+    look = threading.Thread(target=lambda: seen.extend(scene.intersect(origins, np.tile([[0, 0, -1.0]], (20000, 1)))["t"] for _ in range(5)))
+    look.start()
+    for k in range(6):
+        scene.edit("sculpt", target=[14, 16, 5], radius=2, mode="carve" if k % 2 else "add")
+    look.join()
+    assert all(np.isfinite(t).all() for t in seen)
+
+
+def test_a_scene_not_loaded_for_edits_says_so():
+    with pytest.raises(hoodoo.Error, match="this scene was not loaded for edits"):
+        hoodoo.load(LIVING).edit("sculpt", target=[14, 16, 5], radius=4)
