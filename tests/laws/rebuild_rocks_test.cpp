@@ -31,7 +31,7 @@ std::string difference(const Instances& a, const Instances& b)
 }
 
 /// A slope with a step of 4 m, rubble about its foot and in a cave under it.
-std::shared_ptr<MaterialStack> cliff_with_rubble()
+std::shared_ptr<MaterialStack> cliff_with_rubble(std::int32_t rubble = 70)
 {
     auto stack = std::make_shared<MaterialStack>(Vec2i(80, 72), 0.5, 1.0 / 64, Vec3d(-7, 20, 2));
     std::vector<std::vector<Layer>> columns;
@@ -39,7 +39,7 @@ std::shared_ptr<MaterialStack> cliff_with_rubble()
         for (int i = 0; i < 80; ++i) {
             const auto ground = 300 + 2 * j + (i > 50 ? 260 : 0);
             std::vector<Layer> column = {{Material::bedrock, ground}};
-            if (i > 20 && i <= 60) column.push_back({Material::rock, ground + 70});
+            if (i > 20 && i <= 60) column.push_back({Material::rock, ground + rubble});
             if (i > 50) column.insert(column.end(), {{Material::air, ground + 200}, {Material::bedrock, ground + 280}});
             columns.push_back(std::move(column));
         }
@@ -117,7 +117,7 @@ TEST(RebuildRocks, where_an_edit_touched_is_the_full_placement_bit_for_bit)
 
 TEST(RebuildRocks, that_forgets_how_far_rocks_look_is_found_out)
 {
-    const auto stack = cliff_with_rubble();
+    const auto stack = cliff_with_rubble(190);  // 3 m: rocks at the bottom are out of sight
     const auto volume = std::make_shared<StackRocks>(stack, Border::extend);
     RockPlacement placement(rubble(false), volume, stack->origin());
     Instances rocks = placement.place();
