@@ -171,6 +171,14 @@ double CanyonWall::value(const Vec3d& p) const
     return base_value(inverse(p));
 }
 
+int CanyonWall::certain_sign(const Vec3d& p, double margin) const
+{
+    // Each step of the discrete flow goes no farther than its length at the noise's steepest slope G, on which the noise changes by G as much.
+    const double here = base_value(p), most = shape_.cell * kNoise2Derivatives.slope * kNoise2Derivatives.slope * std::abs(profile_.at(p).t);
+    const double rest = std::abs(here) - most - margin - 1e-12 * shape_.cell;
+    return rest > 0.0 ? (here > 0.0 ? 1 : -1) : 0;
+}
+
 Vec3d CanyonWall::gradient(const Vec3d& p) const
 {
     const CanyonProfile::Value t = profile_.at(p);

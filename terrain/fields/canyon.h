@@ -75,6 +75,8 @@ public:
     LocalField local(const Box3d& box) const;
     /// Makes values() of points in the box fast.
     void prepare(const Box3d& domain);
+    /// The sign of value() where that is certain without following the flow: +1 above `margin`, -1 below -margin, else 0.
+    int certain_sign(const Vec3d& p, double margin) const;
     /// value() of eight points, within 1e-12 cells.
     void values(const Vec3d (&p)[CanyonLanes::count], double* out) const;
     /// For the paper's mode: the point in the undeformed plan (its height kept), and the wall there.

@@ -2,17 +2,13 @@
 // Gamito2001, section 3.1, with the paper's own remark made good: "interval arithmetic or Lipschitz bounds could possibly be used to increase the
 // robustness". Building: a box is dropped when the field's range over it has no zero; a box small enough, or so small that the field is nearly linear
 // in it (K r < |g| / 16), becomes a patch, shrunk to what the mean value theorem leaves of it (where the gradient jumps: to the hull of what is left
-// after three more halvings). Each patch keeps bounds of slope and curvature over itself and a quadratic with a proved error (patch_model.h), which
-// tells most rays where they are in air and where in rock; only the pieces between, where it cannot, are marched (first_crossing.h). Every box is
-// widened a little, so that a crossing at the common side of two boxes lies well inside one of them. The domain is first cut into tiles, which are
-// built in parallel; a patch's box is kept relative to its tile, rounded outwards.
+// after three more halvings). Each patch keeps bounds of gradient and curvature over itself and a quadratic with a proved error (patch_model.h); what
+// a ray does with them field_search.cpp says. Every box is widened a little, so that a crossing at the common side of two boxes lies well inside one
+// of them. The domain is first cut into tiles, which are built in parallel; a patch's box is kept relative to its tile, rounded outwards.
 #include "terrain/march/field_patches.h"
 
 #include "terrain/error.h"
-#include "terrain/march/area_march.h"
-#include "terrain/march/first_crossing.h"
-#include "terrain/march/first_crossing_batched.h"
-#include "terrain/march/patch_model.h"
+#include "terrain/march/field_search.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -25,13 +21,6 @@ namespace hoodoo
 
 namespace
 {
-
-struct FieldPatch {
-    Vec3f lo, hi;  ///< relative to the tile's corner
-    float slope = 0.0f, curvature = 0.0f, mixed = 0.0f, upright = 0.0f;
-    bool everywhere = false;  ///< the surface exists all over the box
-    PatchModel model;
-};
 
 struct Tile {
     Vec3d corner{0.0};
@@ -99,7 +88,7 @@ public:
     bool intersect(PatchId id, const Ray& ray, Hit& hit) const override
     {
         double t = 0.0;
-        if (!search(id, ray, hit.t, false, t, hit.evaluations)) return false;
+        if (!search().first(patch(id), patch_bounds(id), ray, hit.t, false, t, hit.evaluations)) return false;
         hit.t = t;
         hit.patch = id;
         return true;
@@ -109,7 +98,7 @@ public:
     {
         double t = 0.0;
         std::uint32_t evaluations = 0;
-        return search(id, ray, ray.t_max, true, t, evaluations);
+        return search().first(patch(id), patch_bounds(id), ray, ray.t_max, true, t, evaluations);
     }
 
     std::uint64_t memory_bytes() const override
@@ -120,6 +109,9 @@ public:
     }
 
 private:
+    const FieldPatch& patch(PatchId id) const { return tiles_[id.tile].patches[id.index]; }
+    FieldSearch search() const { return {field_, settings_, rounding_}; }
+
     static Vec3f round_up(const Vec3d& v) { return {above(v.x), above(v.y), above(v.z)}; }
     static Vec3f round_down(const Vec3d& v) { return {below(v.x), below(v.y), below(v.z)}; }
 
@@ -139,42 +131,6 @@ private:
                 }
             }
         }
-    }
-
-    /// The first crossing in the patch before `limit`; or, if `any`, whether there is one.
-    bool search(PatchId id, const Ray& ray, double limit, bool any, double& t, std::uint32_t& evaluations) const
-    {
-        // The whole of the box, whatever was found before: a crossing must not depend on the order in which boxes are met.
-        double a = ray.t_min, b = ray.t_max;
-        const Box3d box = patch_bounds(id);
-        if (!clip(box, ray, a, b) || a >= limit) return false;
-        const FieldPatch& patch = tiles_[id.tile].patches[id.index];
-        if (settings_.mode == MarchMode::paper) return paper(ray, a, b, t, evaluations) && t > ray.t_min && t < limit;
-
-        SignedPiece pieces[5] = {{0.0, b - a, 0}};
-        int count = 1;
-        if (std::isfinite(patch.model.error))
-            count = signed_pieces(patch.model.along(ray.at(a) - box.center(), ray.direction), patch.model.error, b - a, pieces);
-        any = any && patch.everywhere;
-        const bool entering = ray.crossing == Crossing::entering;
-        if (any) {
-            // Air for certain, and further on rock for certain: no field need be asked where in between it begins.
-            int before = 0;
-            for (int i = 0; i < count; ++i) {
-                if (pieces[i].sign == 0) continue;
-                if (before != 0 && before != pieces[i].sign && (!entering || before > 0)) return true;
-                before = pieces[i].sign;
-            }
-        }
-        for (int i = 0; i < count; ++i) {
-            if (pieces[i].sign != 0) continue;
-            if (a + pieces[i].from >= limit) return false;
-            // A little wider, for the rounding of where pieces end.
-            const double hair = 0x1p-44 * (std::abs(a) + std::abs(b));
-            const double from = std::max(a, a + pieces[i].from - hair), to = std::min(b, a + pieces[i].to + hair);
-            if (from < to && certified(patch, ray, from, to, any, t, evaluations)) return t > ray.t_min && t < limit;
-        }
-        return false;
     }
 
     bool may_hold(const Box3d& box, LocalField& known) const
@@ -228,8 +184,9 @@ private:
         const Vec3d wide(rounding_);
         const Box3d box(tile.corner + Vec3d(patch.lo) - wide, tile.corner + Vec3d(patch.hi) + wide);
         const LocalField known = field_.batched() ? known_by_parts(box, 3) : field_.local(box);
-        patch.slope = above(known.slope()), patch.curvature = above(known.curvature), patch.mixed = above(known.mixed);
-        patch.upright = above(known.upright);
+        patch.least = round_down({known.gradient[0].lo, known.gradient[1].lo, known.gradient[2].lo});
+        patch.most = round_up({known.gradient[0].hi, known.gradient[1].hi, known.gradient[2].hi});
+        patch.curvature = above(known.curvature), patch.mixed = above(known.mixed), patch.upright = above(known.upright);
         patch.everywhere = field_.exists_throughout(box);
         // A graze as shallow as `flat` need not be met; and points are rounded, by more the farther from the origin.
         if (!settings_.moving)
@@ -306,70 +263,6 @@ private:
         const auto [low, high] = halves(box, longest_side(box.size()));
         shrink(low, levels - 1, hull);
         shrink(high, levels - 1, hull);
-    }
-
-    static bool clip(const Box3d& box, const Ray& ray, double& a, double& b)
-    {
-        for (int k = 0; k < 3; ++k) {
-            const double d = ray.direction[k], o = ray.origin[k];
-            if (d == 0.0) {
-                if (o < box.min[k] || o > box.max[k]) return false;
-                continue;
-            }
-            const double inverse = 1.0 / d, t0 = (box.min[k] - o) * inverse, t1 = (box.max[k] - o) * inverse;
-            a = std::max(a, std::min(t0, t1));
-            b = std::min(b, std::max(t0, t1));
-        }
-        return a < b && b < kInfinity;
-    }
-
-    /// The first crossing in (a, b) that exists; if `any`, some t of a stretch with a crossing: then all of them exist.
-    bool certified(const FieldPatch& patch, const Ray& ray, double a, double b, bool any, double& t, std::uint32_t& evaluations) const
-    {
-        const PieceBound bound{patch.slope, LocalField::curvature_along(patch.curvature, patch.mixed, patch.upright, ray.direction)};
-        const auto closer = [&](double from, double to) {
-            Box3d box(ray.at(from));
-            box.extendBy(ray.at(to));
-            const LocalField known = field_.local(Box3d(box.min - Vec3d(rounding_), box.max + Vec3d(rounding_)));
-            return PieceBound{known.slope_along(ray.direction), known.curvature_along(ray.direction)};
-        };
-        const double accuracy = std::max(settings_.accuracy, 4.0 * (rounding_ + 0x1p-52 * (std::abs(a) + std::abs(b))));
-        const bool entering = ray.crossing == Crossing::entering;
-        const auto one = [&](double s) { return field_.value(ray.at(s), ray.time); };
-        const auto many = [&](const double* s, double* out) {
-            Vec3d p[MarchedField::batch];
-            for (int i = 0; i < MarchedField::batch; ++i) p[i] = ray.at(s[i]);
-            field_.values(p, MarchedField::batch, ray.time, out);
-        };
-        while (a < b) {
-            bool found = false;
-            if (field_.batched()) {
-                found =
-                    first_crossing_batched<MarchedField::batch>(many, closer, a, b, {entering, any, settings_.flat, accuracy}, bound, t, evaluations);
-            } else {
-                const Stretch whole{a, one(a), b, one(b)};
-                evaluations += 2;
-                found = first_crossing(one, closer, whole, {entering, any, settings_.flat, accuracy}, bound, t, evaluations);
-            }
-            if (!found) return false;
-            if (any || patch.everywhere || field_.exists(ray.at(t), ray.time)) return true;
-            a = t + accuracy;
-        }
-        return false;
-    }
-
-    bool paper(const Ray& ray, double a, double b, double& t, std::uint32_t& evaluations) const
-    {
-        const auto place = [&](double s) { return field_.inverse(ray.at(s), ray.time); };
-        const auto base = [&](const Vec3d& q) { return field_.base_value(q); };
-        const AreaSettings area{settings_.epsilon, settings_.epsilon_distance, 20};
-        const bool entering = ray.crossing == Crossing::entering;
-        while (area_march(place, base, a, b, entering, area, t, evaluations)) {
-            if (field_.exists(ray.at(t), ray.time)) return true;
-            a = std::nextafter(t, kInfinity);
-            if (!(a < b)) return false;
-        }
-        return false;
     }
 
     const MarchedField& field_;

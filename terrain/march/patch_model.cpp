@@ -162,6 +162,16 @@ int signed_pieces(const ModelAlong& model, double error, double length, SignedPi
 {
     // Where the quadratic meets +error and -error: at most four places. A margin makes up for their rounding.
     const double band = error * (1.0 + 1e-6) + 1e-14 * (std::abs(model.a) + std::abs(model.b) * length + std::abs(model.c) * length * length);
+    // Mostly it stays on one side of the band: then its extremes, at the ends or where it turns, say so without a root.
+    const double first = model.a, last = model.at(length), turn = -0.5 * model.b, way = model.c * length;
+    const bool turns = std::abs(turn) < std::abs(way) && (turn > 0.0) == (way > 0.0);
+    const double middle = turns ? model.a + 0.5 * model.b * turn / model.c : first;
+    for (const int sign : {1, -1}) {
+        if (sign * first > band && sign * last > band && sign * middle > band) {
+            pieces[0] = {0.0, length, sign};
+            return 1;
+        }
+    }
     double cut[6] = {0.0};
     int cuts = 1;
     const auto add = [&](double root) {

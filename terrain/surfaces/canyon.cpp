@@ -66,9 +66,9 @@ public:
             case Part::wall:
                 return top <= hair_ && ground >= -hair_;
             case Part::plateau:
-                return ground >= -hair_ && canyon_.wall().value(p) <= hair_;
+                return ground >= -hair_ && !in_air(p);
             case Part::floor:
-                return top >= -hair_ || canyon_.wall().value(p) >= -hair_;
+                return top >= -hair_ || !in_rock(p);
         }
         return false;
     }
@@ -91,6 +91,18 @@ public:
     double base_value(const Vec3d& q) const override { return part_ == Part::wall ? canyon_.wall().base_value(q) : value(q, 0.0); }
 
 private:
+    /// Beside the walls, by more than a hair.
+    bool in_air(const Vec3d& p) const
+    {
+        const int sign = canyon_.wall().certain_sign(p, hair_);
+        return sign > 0 || (sign == 0 && canyon_.wall().value(p) > hair_);
+    }
+    bool in_rock(const Vec3d& p) const
+    {
+        const int sign = canyon_.wall().certain_sign(p, hair_);
+        return sign < 0 || (sign == 0 && canyon_.wall().value(p) < -hair_);
+    }
+
     const CanyonField& canyon_;
     Part part_;
     double hair_;

@@ -124,6 +124,21 @@ TEST(Canyon, local_bounds_hold_and_not_by_a_tenth_too_much)
     }
 }
 
+TEST(Canyon, signs_known_without_following_the_flow_are_those_of_the_value)
+{
+    const CanyonWall wall(golden_shape());
+    Numbers random(8);
+    int known = 0;
+    for (int i = 0; i < count(20000, 1000000); ++i) {
+        const Vec3d p = random.in(Box3d(Vec3d(-6, -6, 0), Vec3d(6, 6, 1)));
+        const double margin = 0.1 * random();
+        const int sign = wall.certain_sign(p, margin);
+        if (sign != 0) EXPECT_GT(sign * wall.value(p), margin) << p;
+        known += sign != 0;
+    }
+    EXPECT_GT(known, 4000);
+}
+
 TEST(Canyon, is_empty_above_the_plateau_and_full_below_the_floor)
 {
     const CanyonField field(golden_shape());
