@@ -109,6 +109,10 @@ public:
     }
 
 private:
+    /// A box is halved, so often at most, while the quadratic's error is more than this share of what the field may change by in the box.
+    static constexpr int kMostRefinements = 2;
+    static constexpr double kBent = 0.02;
+
     const FieldPatch& patch(PatchId id) const { return tiles_[id.tile].patches[id.index]; }
     FieldSearch search() const { return {field_, settings_, rounding_}; }
 
@@ -170,19 +174,35 @@ private:
         } else {
             shrink(box, 3, hull);
         }
-        if (hull.isEmpty() || (field_.batched() && !settings_.moving && !tighten(hull, known))) return;
-        keep(hull, tile);
+        if (!hull.isEmpty()) refine(hull, known, kMostRefinements, tile);
+    }
+
+    /// A small box, of which `known` is known: shrunk once more, and halved where the field is still too bent to be a quadratic.
+    void refine(Box3d box, const LocalField& known, int levels, Tile& tile) const
+    {
+        if (field_.batched() && !settings_.moving && !tighten(box, known)) return;
+        const FieldPatch patch = patch_of(box, tile.corner);
+        const bool bent = patch.model.error > kBent * patch.slope() * box.size().length();
+        if (levels == 0 || !field_.batched() || settings_.moving || !bent) {
+            tile.patches.push_back(patch);
+            return;
+        }
+        const auto [low, high] = halves(box, longest_side(weigh(box.size(), known)));
+        for (const Box3d& half : {low, high}) {
+            LocalField own;
+            if (may_hold(half, own)) refine(half, own, levels - 1, tile);
+        }
     }
 
     /// A box becomes a patch, with what is known over just the box that patch_bounds() will tell.
-    void keep(const Box3d& hull, Tile& tile) const
+    FieldPatch patch_of(const Box3d& hull, const Vec3d& corner) const
     {
         // Wide enough that the coarse numbers of a patch do not let its bounds end before its box does.
-        const Vec3d pad(1e-6 * hull.size().length() + 8.0 * rounding_ + 0x1p-22 * (hull.max - tile.corner).length());
+        const Vec3d pad(1e-6 * hull.size().length() + 8.0 * rounding_ + 0x1p-22 * (hull.max - corner).length());
         FieldPatch patch;
-        patch.lo = round_down(hull.min - pad - tile.corner), patch.hi = round_up(hull.max + pad - tile.corner);
+        patch.lo = round_down(hull.min - pad - corner), patch.hi = round_up(hull.max + pad - corner);
         const Vec3d wide(rounding_);
-        const Box3d box(tile.corner + Vec3d(patch.lo) - wide, tile.corner + Vec3d(patch.hi) + wide);
+        const Box3d box(corner + Vec3d(patch.lo) - wide, corner + Vec3d(patch.hi) + wide);
         const LocalField known = field_.batched() ? known_by_parts(box, 3) : field_.local(box);
         patch.least = round_down({known.gradient[0].lo, known.gradient[1].lo, known.gradient[2].lo});
         patch.most = round_up({known.gradient[0].hi, known.gradient[1].hi, known.gradient[2].hi});
@@ -191,7 +211,7 @@ private:
         // A graze as shallow as `flat` need not be met; and points are rounded, by more the farther from the origin.
         if (!settings_.moving)
             patch.model = fit_model(NodeGrid(field_, box, field_.batched() ? 4 : 2), known, settings_.flat + known.slope() * rounding_);
-        tile.patches.push_back(patch);
+        return patch;
     }
 
     /// What is known of a box from its halves, and theirs: bounds grow faster than boxes.
@@ -243,7 +263,7 @@ private:
     bool tighten(Box3d& box, const LocalField& known) const
     {
         for (int round = 0; round < 3; ++round) {
-            const Box3d left = parts_with_zero(NodeGrid(field_, box, 4), known, settings_.flat);
+            const Box3d left = parts_with_zero(NodeGrid(field_, box, 4), round == 0 ? known : field_.local(box), settings_.flat);
             if (left.isEmpty()) return false;
             const Vec3d was = box.size(), now = left.size();
             box = left;

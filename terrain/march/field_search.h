@@ -18,6 +18,7 @@ struct FieldPatch {
 
     /// Of the field's derivative along a direction, and of its second derivative.
     Interval rise_along(const Vec3d& direction) const;
+    double slope() const { return Vec3d(std::max(-least.x, most.x), std::max(-least.y, most.y), std::max(-least.z, most.z)).length(); }
     double bend_along(const Vec3d& direction) const { return LocalField::curvature_along(curvature, mixed, upright, direction); }
 };
 

@@ -271,6 +271,7 @@ Shape make_canyon(const Values& values, const BuildContext& context)
     settings.growth = values.number("growth");
     read_search(values, settings);
     settings.epsilon_distance = shape.cell;
+    settings.accuracy = 1e-7 * shape.cell;
     if (context.progress) context.progress(0.1, "patches");
     auto surface = std::make_unique<CanyonSurface>(shape, settings);
     surface->set_build_seconds(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
