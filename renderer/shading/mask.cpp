@@ -21,19 +21,34 @@ namespace
 struct Map {
     Raster raster;
     Vec2d origin;
-    double cell;
+    double cell;  ///< of a pixel, metres; of the whole image where uv
+    bool uv;      ///< looked up by the surface's own coordinates, in which it repeats
 
-    double at(const Vec3d& p) const
+    double at(const Interaction& where) const { return uv ? repeated(where.uv) : clamped({where.position.x, where.position.y}); }
+
+    double clamped(const Vec2d& p) const
     {
         const auto place = [](double x, int n) { return std::clamp(x, 0.0, n - 1.0); };
         const double x = place((p.x - origin.x) / cell - 0.5, raster.columns), y = place((p.y - origin.y) / cell - 0.5, raster.rows);
-        const int i = std::min(static_cast<int>(x), std::max(0, raster.columns - 2)), j = std::min(static_cast<int>(y), std::max(0, raster.rows - 2));
+        return between(static_cast<int>(x), static_cast<int>(y), x - std::floor(x), y - std::floor(y));
+    }
+
+    double repeated(const Vec2d& p) const
+    {
+        const auto place = [](double x, int n) { return (x - std::floor(x)) * n - 0.5; };
+        const double x = place((p.x - origin.x) / cell, raster.columns), y = place((p.y - origin.y) / cell, raster.rows);
+        return between(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)), x - std::floor(x), y - std::floor(y));
+    }
+
+    /// Between the pixels (i, j) and (i + 1, j + 1), row 0 at the bottom.
+    double between(int i, int j, double u, double v) const
+    {
+        const auto index = [&](int k, int n) { return uv ? (k % n + n) % n : std::clamp(k, 0, n - 1); };
         const auto value = [&](int column, int row) {
-            const int c = std::min(column, raster.columns - 1), r = raster.rows - 1 - std::min(row, raster.rows - 1);
+            const int c = index(column, raster.columns), r = raster.rows - 1 - index(row, raster.rows);
             return static_cast<double>(
                 raster.channels[0][static_cast<std::size_t>(r) * static_cast<std::size_t>(raster.columns) + static_cast<std::size_t>(c)]);
         };
-        const double u = x - i, v = y - j;
         return (value(i, j) * (1 - u) + value(i + 1, j) * u) * (1 - v) + (value(i, j + 1) * (1 - u) + value(i + 1, j + 1) * u) * v;
     }
 };
@@ -46,9 +61,7 @@ struct Mask {
     /// 0 at `from`, 1 at `to`, whichever is larger.
     double share(const Interaction& at) const
     {
-        const double x = by == By::slope      ? std::acos(std::clamp(at.geometric_normal.z, -1.0, 1.0))
-                         : by == By::altitude ? at.position.z
-                                              : map->at(at.position);
+        const double x = by == By::slope ? std::acos(std::clamp(at.geometric_normal.z, -1.0, 1.0)) : by == By::altitude ? at.position.z : map->at(at);
         return smoothstep((x - from) / (to - from));
     }
 };
@@ -99,8 +112,8 @@ Mask mask_from(const Values& values, const PathResolver& resolve)
         throw values.problem("to", "a mask that goes from a value to itself", "two values that differ", fmt::format("{:.6g} twice", mask.to));
     if (mask.by != Mask::By::map) return mask;
     const std::string path = resolve ? resolve(values.text("map"), values.where("map")) : values.text("map");
-    Map map{read_raster(path, values.text("channel")), values.vec2("origin"), 0.0};
-    map.cell = values.has("cell") ? values.number("cell") : map.raster.cell;
+    Map map{read_raster(path, values.text("channel")), values.vec2("origin"), 0.0, values.text("projection") == "uv"};
+    map.cell = map.uv ? values.number("span") : values.has("cell") ? values.number("cell") : map.raster.cell;
     if (!(map.cell > 0.0))
         throw values.problem("map", "the map does not say how large its pixels are", "a `cell` in the mask, or an image with hoodoo:cell");
     for (const float x : map.raster.channels[0])
@@ -141,6 +154,17 @@ std::vector<Schema> mask_schemas()
            .type = ParameterType::length,
            .doc = "Size of its pixels; by default what the file says.",
            .unit = "m",
+           .minimum = 0,
+           .above_minimum = true},
+          {.name = "projection",
+           .type = ParameterType::choice,
+           .doc = "plan: the image lies over the ground; uv: it follows the surface's own coordinates, which a warp carries along, and repeats.",
+           .fallback = std::string("plan"),
+           .choices = {"plan", "uv"}},
+          {.name = "span",
+           .type = ParameterType::number,
+           .doc = "uv: side of the square that the image covers, in units of u and v (on a canyon: cells).",
+           .fallback = 1.0,
            .minimum = 0,
            .above_minimum = true}}},
     };

@@ -31,7 +31,23 @@ struct CanyonShape {
     double sediment_height = 0.3;   ///< zs, a share of the height
     double floor_amplitude = 0.04;  ///< metres by the height: the floor lies in [0, 2 x this] x height, about
     double floor_wavelength = 0.7;  ///< cells
+    double lift = 0.0;              ///< share of the height: layers and plateau are lifted by up to about +- half this
+    double lift_wavelength = 2.0;   ///< cells
     std::optional<ProfileView> view;
+};
+
+/// How far the layers are lifted at a place of the plan, metres.
+struct CanyonLift {
+    double value = 0.0;
+    Vec2d gradient{0.0};
+    /// Suprema everywhere of |value|, |gradient| and the second derivative.
+    struct Bound {
+        double value, slope, curve;
+    };
+    static CanyonLift at(const CanyonShape& shape, const Vec3d& p);
+    static Bound bound(const CanyonShape& shape);
+    /// Proved over a box.
+    static Interval over(const CanyonShape& shape, const Box3d& box);
 };
 
 /// T(z) = amplitude sum 0.5^k n1(2^k frequency z + 17.3 k, seed + k), z a share of the height; each octave weighted by distance where there is a
@@ -41,18 +57,20 @@ class CanyonProfile
 public:
     explicit CanyonProfile(const CanyonShape& shape) : shape_(shape) {}
 
-    /// T at a point in metres, its derivative by height (per metre), and by the distance from the eye (per metre).
+    /// T at a point in metres, its derivative by height (per metre), and by the distance from the eye (per metre). Sideways it changes by -by_height
+    /// times the lift's gradient.
     struct Value {
         double t = 0.0, by_height = 0.0, by_distance = 0.0;
+        Vec2d lift_gradient{0.0};
     };
     Value at(const Vec3d& p) const;
 
     /// Proved over a box: T, and bounds of its first and second derivatives along any unit direction, of its height part alone, per metre.
     struct Range {
         Interval t, by_height;
-        double by_distance = 0.0;  ///< |dT / d distance|
+        double by_distance = 0.0;  ///< of what distance and lift add to T's derivative along any direction
         double upright = 0.0;      ///< |d2T / dz2|
-        double rest = 0.0;         ///< what distance adds to a second derivative along any direction
+        double rest = 0.0;         ///< what they add to a second derivative along any direction
     };
     Range over(const Box3d& box) const;
 
@@ -109,7 +127,8 @@ public:
 
     const CanyonWall& wall() const { return wall_; }
     void prepare(const Box3d& domain) { wall_.prepare(domain); }
-    double plateau(const Vec3d& p) const { return p.z - (shape_.origin.z + shape_.height); }
+    double plateau(const Vec3d& p) const { return p.z - (shape_.origin.z + shape_.height) - CanyonLift::at(shape_, p).value; }
+    Vec3d plateau_gradient(const Vec3d& p) const;
     double floor(const Vec3d& p) const;
     Vec3d floor_gradient(const Vec3d& p) const;
     LocalField floor_local(const Box3d& box) const;

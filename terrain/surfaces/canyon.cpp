@@ -3,8 +3,8 @@
 // counts where the others say so: of a wall below the plateau and above the floor, of the plateau in rock, of the floor in the open. The three
 // overlap by a hair at their edges, so that no ray slips between them. The canyon is infinite; what is traced is a square of the radius `extent`
 // about the eye's place (or the origin), in patches that grow with the distance. Mode "paper" takes the walls by the area test instead, whole rays at
-// a time. Deviations: strata are colours by height of the look, and the deposit at the foot shows as sand; the paper's vertical deformation is not
-// there.
+// a time. Deviations: strata are colours by height of the look, and the deposit at the foot shows as sand. The vertical deformation of section 5
+// lifts layers and plateau by a noise of the plan.
 #include "terrain/error.h"
 #include "terrain/fields/canyon.h"
 #include "terrain/march/field_patches.h"
@@ -122,7 +122,7 @@ public:
             PatchSettings own = settings;
             own.domain = domain;
             own.cut_edges = true;
-            if (part == Part::plateau) own.domain.min.z = shape.origin.z + shape.height - hair;
+            if (part == Part::plateau) own.domain.min.z = shape.origin.z + shape.height - CanyonLift::bound(shape).value - hair;
             if (part == Part::floor) own.domain.max.z = std::min(domain.max.z, floor_top + hair);
             if (part != Part::wall) own.size *= 2.0, own.mode = MarchMode::certified;
             Body& body = bodies_[static_cast<std::size_t>(part)];
@@ -162,7 +162,9 @@ public:
         const double size = std::abs(ray.origin.x) + std::abs(ray.origin.y) + std::abs(ray.origin.z) + hit.t;
         at.position_error = accuracy_ + 64.0 * 0x1p-52 * size;
         const auto part = static_cast<std::size_t>(&body_of(hit.patch.tile) - bodies_.data());
-        at.geometric_normal = part == 0 ? field_.wall().gradient(at.position) : part == 1 ? Vec3d(0, 0, 1) : field_.floor_gradient(at.position);
+        at.geometric_normal = part == 0   ? field_.wall().gradient(at.position)
+                              : part == 1 ? field_.plateau_gradient(at.position)
+                                          : field_.floor_gradient(at.position);
         if (!(at.geometric_normal.length() > 1e-12)) at.geometric_normal = Vec3d(0, 0, 1);
         at.geometric_normal.normalize();
         paint(part, at);
@@ -214,7 +216,9 @@ private:
     void paint(std::size_t part, Interaction& at) const
     {
         at.shading_normal = at.geometric_normal;
+        // Layers of the look are lifted with the rock.
         at.texture_point = at.position;
+        if (part != 2) at.texture_point.z -= CanyonLift::at(field_.shape(), at.position).value;
         const Vec3d from = at.position - field_.shape().origin;
         // Of the undeformed plan (section 3.2): a map sticks to the rock however far its walls have moved.
         const Vec3d rest = (part == 0 ? field_.wall().inverse(at.position) : at.position) - field_.shape().origin;
@@ -251,6 +255,8 @@ CanyonShape shape_of(const Values& values, const BuildContext& context)
     shape.sediment_height = values.number("sediment_height");
     shape.floor_amplitude = values.number("floor");
     shape.floor_wavelength = values.number("floor_wavelength");
+    shape.lift = values.number("lift");
+    shape.lift_wavelength = values.number("lift_wavelength");
     if (values.boolean("lod") && context.view) shape.view = ProfileView{context.view->eye, context.view->spread};
     return shape;
 }
@@ -265,7 +271,7 @@ Shape make_canyon(const Values& values, const BuildContext& context)
     const double extent = values.number("extent");
     PatchSettings settings;
     settings.domain = Box3d(Vec3d(centre.x - extent, centre.y - extent, shape.origin.z - 1e-3 * shape.height),
-                            Vec3d(centre.x + extent, centre.y + extent, shape.origin.z + shape.height * 1.001));
+                            Vec3d(centre.x + extent, centre.y + extent, shape.origin.z + shape.height * 1.001 + CanyonLift::bound(shape).value));
     settings.size = values.has("patch") ? values.number("patch") : shape.cell / 10.0;
     settings.focus = centre;
     settings.growth = values.number("growth");
@@ -320,6 +326,15 @@ CatalogueEntry canyon_row()
          .fallback = 0.7,
          .unit = "cell",
          .minimum = 0.01,
+         .maximum = 100},
+        share("lift", "How far layers and plateau are lifted and lowered by a noise of the plan, from lowest to highest, a share of the height.", 0.0,
+              0.5),
+        {.name = "lift_wavelength",
+         .type = ParameterType::number,
+         .doc = "Wavelength of that noise.",
+         .fallback = 2.0,
+         .unit = "cell",
+         .minimum = 0.5,
          .maximum = 100},
         {.name = "lod",
          .type = ParameterType::boolean,

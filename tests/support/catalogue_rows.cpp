@@ -232,6 +232,14 @@ const std::vector<RowInstance>& row_instances()
                  vector_text(s), vector_text(Vec3d(2, 1, 2) + s));
          },
          0.9},
+        {"canyon", "canyon_lifted",
+         [](const Vec3d& s) {
+             return fmt::format(
+                 "origin = {}\ncentre = {}\ncell = 4.0\nheight = 4.0\nextent = 4.0\npatch = 0.6\ngrowth = 0.0\noctaves = 2\nlod = false\n"
+                 "lift = 0.3\nlift_wavelength = 1.0\n",
+                 vector_text(s), vector_text(Vec3d(2, 1, 2) + s));
+         },
+         0.9},
         {"breaking_wave", "breaking_wave",
          [](const Vec3d& s) {
              return fmt::format(

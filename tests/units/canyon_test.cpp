@@ -65,7 +65,10 @@ std::vector<CanyonShape> shapes()
     seen = plain;
     seen.octaves = 8;
     seen.view = ProfileView{Vec3d(0.3, -0.4, 0.5), 0.02};
-    return {golden_shape(), plain, seen};
+    CanyonShape lifted = seen;
+    lifted.lift = 0.2;
+    lifted.lift_wavelength = 1.5;
+    return {golden_shape(), plain, seen, lifted};
 }
 
 TEST(Canyon, gradients_are_differences)
@@ -137,6 +140,28 @@ TEST(Canyon, signs_known_without_following_the_flow_are_those_of_the_value)
         known += sign != 0;
     }
     EXPECT_GT(known, 4000);
+}
+
+TEST(Canyon, a_lift_carries_layers_and_plateau_and_leaves_the_floor)
+{
+    CanyonShape shape = golden_shape(), lifted = golden_shape();
+    lifted.lift = 0.2;
+    const CanyonField flat(shape), field(lifted);
+    Numbers random(2);
+    double least = 1.0, most = -1.0;
+    for (int i = 0; i < 500; ++i) {
+        const Vec3d p = random.in(Box3d(Vec3d(-5, -5, 0), Vec3d(5, 5, 1)));
+        const double s = CanyonLift::at(lifted, p).value;
+        least = std::min(least, s), most = std::max(most, s);
+        // Without a deposit the wall depends on the height by T alone.
+        EXPECT_NEAR(field.wall().value(p), flat.wall().value(p - Vec3d(0, 0, s)), 1e-13);
+        EXPECT_NEAR(field.plateau(p), flat.plateau(p) - s, 1e-14);
+        EXPECT_EQ(field.floor(p), flat.floor(p));
+        EXPECT_TRUE(CanyonLift::over(lifted, Box3d(p - Vec3d(0.3), p + Vec3d(0.2))).contains(s));
+    }
+    // A noise within +- 0.7072 seldom passes +- 0.5.
+    EXPECT_LT(least, -0.05);
+    EXPECT_GT(most, 0.05);
 }
 
 TEST(Canyon, is_empty_above_the_plateau_and_full_below_the_floor)

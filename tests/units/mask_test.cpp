@@ -43,10 +43,11 @@ Values material(std::initializer_list<Node> masks)
     return values;
 }
 
-Appearance seen(const Values& values, const Vec3d& p, const Vec3d& n = Vec3d(0, 0, 1))
+Appearance seen(const Values& values, const Vec3d& p, const Vec3d& n = Vec3d(0, 0, 1), const Vec2d& uv = Vec2d(0.0))
 {
     Interaction at;
     at.position = p;
+    at.uv = uv;
     at.geometric_normal = at.shading_normal = n.normalized();
     return with_masks(plain("rock"), values, {}, plain)->appearance(at, 0.1);
 }
@@ -104,6 +105,21 @@ TEST(Mask, a_map_is_read_at_its_pixels_centres_and_between)
     EXPECT_NEAR(share(15, 15), 0.0, 1e-6);
     EXPECT_NEAR(share(20, 5), 0.5, 1e-6) << "between 0 and 2";
     EXPECT_NEAR(share(-40, 90), 0.5, 1e-6) << "beyond its edge the map goes on";
+    std::filesystem::remove(path);
+}
+
+TEST(Mask, a_map_under_uv_follows_the_surface_and_repeats)
+{
+    // Pixels of 2 x 3 units in a span of 6: 0, 1, 2 from west to east, in both rows.
+    const std::string path = map_file({0, 1, 2, 0, 1, 2});
+    const Values values = material({table(
+        {{"by", "map"}, {"into", "sand"}, {"from", 0.0}, {"to", 2.0}, {"map", path}, {"projection", "uv"}, {"span", 6.0}, {"origin", {1.0, 0.0}}})});
+    const auto share = [&](double u) { return (seen(values, Vec3d(u * 77, 5, 3), Vec3d(0, 0, 1), Vec2d(u, 2.0)).albedo.x - 0.2) / 0.6; };
+    EXPECT_NEAR(share(2.0), 0.0, 1e-6) << "the first pixel's centre, wherever the point lies";
+    EXPECT_NEAR(share(4.0), 0.5, 1e-6);
+    EXPECT_NEAR(share(6.0), 1.0, 1e-6);
+    EXPECT_NEAR(share(7.0), 0.5, 1e-6) << "half-way from the last to the first of the next";
+    EXPECT_NEAR(share(4.0 - 60.0), 0.5, 1e-6) << "ten repeats away";
     std::filesystem::remove(path);
 }
 
