@@ -158,7 +158,8 @@ private:
         const Vec3d size = box.size();
         const Vec3d from = box.center() - settings_.focus;
         const Vec3d weighed = weigh(size, known);
-        const bool small = weighed[longest_side(weighed)] <= settings_.size + settings_.growth * std::hypot(from.x, from.y);
+        const double wanted = settings_.size + settings_.growth * std::hypot(from.x, from.y);
+        const bool small = weighed[longest_side(weighed)] <= wanted;
         double least = 0.0;
         for (const Interval& g : known.gradient) least += g.contains(0.0) ? 0.0 : std::min(g.lo * g.lo, g.hi * g.hi);
         const bool nearly_linear = std::max({known.curvature, known.mixed, known.upright}) * 0.5 * size.length() * 16.0 < std::sqrt(least);
@@ -174,16 +175,19 @@ private:
         } else {
             shrink(box, 3, hull);
         }
-        if (!hull.isEmpty()) refine(hull, known, kMostRefinements, tile);
+        // Far away, where boxes are large on purpose, no such care is taken.
+        if (!hull.isEmpty())
+            refine(hull, known, field_.batched() && !settings_.moving && wanted <= 2.0 * settings_.size ? kMostRefinements : -1, tile);
     }
 
-    /// A small box, of which `known` is known: shrunk once more, and halved where the field is still too bent to be a quadratic.
+    /// A small box, of which `known` is known: shrunk once more, and halved up to `levels` times where the field is still too bent to be a quadratic;
+    /// -1: taken as it is.
     void refine(Box3d box, const LocalField& known, int levels, Tile& tile) const
     {
         if (field_.batched() && !settings_.moving && !tighten(box, known)) return;
-        const FieldPatch patch = patch_of(box, tile.corner);
+        const FieldPatch patch = patch_of(box, tile.corner, levels >= 0);
         const bool bent = patch.model.error > kBent * patch.slope() * box.size().length();
-        if (levels == 0 || !field_.batched() || settings_.moving || !bent) {
+        if (levels <= 0 || !bent) {
             tile.patches.push_back(patch);
             return;
         }
@@ -194,8 +198,8 @@ private:
         }
     }
 
-    /// A box becomes a patch, with what is known over just the box that patch_bounds() will tell.
-    FieldPatch patch_of(const Box3d& hull, const Vec3d& corner) const
+    /// A box becomes a patch, with what is known over just the box that patch_bounds() will tell; `carefully`: from its eight parts.
+    FieldPatch patch_of(const Box3d& hull, const Vec3d& corner, bool carefully) const
     {
         // Wide enough that the coarse numbers of a patch do not let its bounds end before its box does.
         const Vec3d pad(1e-6 * hull.size().length() + 8.0 * rounding_ + 0x1p-22 * (hull.max - corner).length());
@@ -203,7 +207,7 @@ private:
         patch.lo = round_down(hull.min - pad - corner), patch.hi = round_up(hull.max + pad - corner);
         const Vec3d wide(rounding_);
         const Box3d box(corner + Vec3d(patch.lo) - wide, corner + Vec3d(patch.hi) + wide);
-        const LocalField known = field_.batched() ? known_by_parts(box, 3) : field_.local(box);
+        const LocalField known = known_by_parts(box, carefully ? 3 : 0);
         patch.least = round_down({known.gradient[0].lo, known.gradient[1].lo, known.gradient[2].lo});
         patch.most = round_up({known.gradient[0].hi, known.gradient[1].hi, known.gradient[2].hi});
         patch.curvature = above(known.curvature), patch.mixed = above(known.mixed), patch.upright = above(known.upright);
