@@ -148,7 +148,7 @@ ElevationHeight::Term ElevationHeight::term(const Octave& octave, const Vec2d& c
     return t;
 }
 
-ElevationHeight::Bounds ElevationHeight::bounds(const Box2d& area) const
+HeightBounds ElevationHeight::bounds(const Box2d& area) const
 {
     const bool finite = std::isfinite(area.min.x) && std::isfinite(area.min.y) && std::isfinite(area.max.x) && std::isfinite(area.max.y);
     const Vec2d centre = finite ? (area.min + area.max) * 0.5 : Vec2d(0.0);
@@ -180,7 +180,7 @@ ElevationHeight::Bounds ElevationHeight::bounds(const Box2d& area) const
         curvature += octave.amplitude * bend;
     }
     const double rounding = kRounding * (std::abs(shape_.height) + shape_.relief);
-    Bounds known;
+    HeightBounds known;
     known.value = {shape_.height + scale_ * sum.lo - rounding, shape_.height + scale_ * sum.hi + rounding};
     known.slope = slope * scale_ * (1.0 + kRounding);
     known.curvature = curvature * scale_ * (1.0 + kRounding);

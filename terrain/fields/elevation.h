@@ -45,13 +45,7 @@ public:
     std::array<Interval, 2> gradient_range(const Box2d& area) const override { return bounds(area).gradient; }
     double curvature_bound(const Box2d& area) const override { return bounds(area).curvature; }
 
-    /// All bounds at once: they share the work.
-    struct Bounds {
-        Interval value;
-        double slope = 0.0, curvature = 0.0;
-        std::array<Interval, 2> gradient;
-    };
-    Bounds bounds(const Box2d& area) const;
+    HeightBounds bounds(const Box2d& area) const override;
     Noise2 at(const Vec2d& p) const;
 
 private:

@@ -10,6 +10,13 @@ namespace hoodoo
 
 using Box2d = Imath::Box2d;
 
+/// All that is proved of a height over an area, as Height's functions have it one by one.
+struct HeightBounds {
+    Interval value;
+    double slope = 0.0, curvature = kInfinity;
+    std::array<Interval, 2> gradient;
+};
+
 /// Height over the world's plane. Matter is where z < height. Pure and thread-safe. Metres, world space.
 class Height
 {
@@ -40,6 +47,9 @@ public:
 
     /// A proved upper bound of |gradient(p) - gradient(q)| / |p - q| in the area; infinite where the gradient jumps or nothing is known.
     virtual double curvature_bound(const Box2d&) const { return kInfinity; }
+
+    /// All of it at once: where the parts share their work, an override saves it.
+    virtual HeightBounds bounds(const Box2d& area) const { return {range(area), slope_bound(area), curvature_bound(area), gradient_range(area)}; }
 };
 
 /// A height as an implicit function: F = z - h(x, y). Keeps a reference.

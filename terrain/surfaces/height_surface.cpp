@@ -84,13 +84,13 @@ private:
     double value(const Vec3d& p, double) const override { return field_.value(p); }
     LocalField local(const Box3d& box) const override
     {
-        const Box2d area = area_under(box);
+        const HeightBounds bounds = height_->bounds(area_under(box));
         LocalField known;
-        const Vec3d centre = box.center();
-        known.value = field_.range(box);
-        known.centre = field_.value(centre);
-        known.gradient = field_.gradient_range(box);
-        known.curvature = height_->curvature_bound(area);
+        const double rounding = 0x1p-50 * (std::max(std::abs(box.min.z), std::abs(box.max.z)) + bounds.value.magnitude());
+        known.value = {box.min.z - bounds.value.hi - rounding, box.max.z - bounds.value.lo + rounding};
+        known.centre = field_.value(box.center());
+        known.gradient = {-bounds.gradient[0], -bounds.gradient[1], Interval{1.0, 1.0}};
+        known.curvature = bounds.curvature;
         known.mixed = 0.0;
         known.upright = std::isfinite(known.curvature) ? 0.0 : kInfinity;
         return known;
