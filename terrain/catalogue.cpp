@@ -27,6 +27,7 @@ std::span<const CatalogueEntry> catalogue()
         cracked_row(),
         heightfield_row(),
         elevation_row(),
+        landforms_row(),
     };
     // clang-format on
     return rows;
@@ -34,7 +35,7 @@ std::span<const CatalogueEntry> catalogue()
 
 std::vector<CatalogueEntry> height_rows()
 {
-    return {plane_row(), heightfield_row(), elevation_row()};
+    return {plane_row(), heightfield_row(), elevation_row(), landforms_row()};
 }
 
 const CatalogueEntry* find_in_catalogue(const std::string& name)

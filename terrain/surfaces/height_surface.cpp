@@ -74,7 +74,7 @@ public:
     SurfaceInfo info() const override
     {
         SurfaceInfo info;
-        info.trace_bytes = patches_->memory_bytes();
+        info.trace_bytes = patches_->memory_bytes() + settings_.stored_bytes;
         for (std::uint32_t t = 0; t < patches_->tile_count(); ++t) info.patches += patches_->patch_count(t);
         info.build_seconds = build_seconds_;
         return info;

@@ -12,11 +12,12 @@ namespace hoodoo
 {
 
 struct HeightSurfaceSettings {
-    Box2d area;            ///< what is traced, finite
-    Vec2d focus{0.0};      ///< patches grow with the distance from here
-    double patch = 1.0;    ///< metres: of a patch there
-    double growth = 0.0;   ///< metres a metre
-    double texture = 1.0;  ///< metres for 1 of uv
+    Box2d area;                      ///< what is traced, finite
+    Vec2d focus{0.0};                ///< patches grow with the distance from here
+    double patch = 1.0;              ///< metres: of a patch there
+    double growth = 0.0;             ///< metres a metre
+    double texture = 1.0;            ///< metres for 1 of uv
+    std::uint64_t stored_bytes = 0;  ///< memory of the height itself
     std::string material = "ground";
 };
 

@@ -4,25 +4,22 @@
 // small.
 #include "terrain/surfaces/implicit_nodes.h"
 
-#include "terrain/edit/skeleton.h"
 #include "terrain/error.h"
 #include "terrain/math/hash.h"
 #include "terrain/surfaces/flow_tables.h"
+#include "terrain/surfaces/node_tables.h"
+#include "terrain/surfaces/path_tables.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace hoodoo
 {
 
 namespace
 {
-
-constexpr int kPiecesOfSpan = 8;      // at least, of a smooth curve between the two of its points that are nearest to each other
-constexpr double kStraight = 0.9997;  // the cosine of 1.4 degrees: what the chord of a piece may turn by before a new piece begins
 
 Parameter length(const std::string& name, const std::string& doc)
 {
@@ -32,12 +29,6 @@ Parameter length(const std::string& name, const std::string& doc)
 Parameter nodes(const std::string& doc, int least)
 {
     return {.name = "of", .type = ParameterType::names, .doc = doc, .required = true, .min_count = least, .max_count = 4096};
-}
-
-Parameter smooth()
-{
-    return {
-        .name = "smooth", .type = ParameterType::boolean, .doc = "A curve through the points, or straight pieces between them.", .fallback = true};
 }
 
 /// `width` of the filled edge; a required one for blend.
@@ -70,50 +61,6 @@ void add_shared(Schema& schema, bool primitive)
 
 // -- Primitives --------------------------------------------------------------------------------------------------------
 
-std::vector<double> one_a_point(const Values& v, const std::string& name, std::size_t points)
-{
-    std::vector<double> list = v.vector(name);
-    if (list.size() == 1) list.assign(points, list[0]);
-    if (list.size() != points)
-        throw v.problem(name, "values along a path", "one, or one for each of its points", fmt::format("{} for {} points", list.size(), points));
-    return list;
-}
-
-struct Path {
-    std::vector<Vec3d> points;
-    std::vector<double> values;  ///< interpolated along it
-};
-
-/// The path of a table, flattened if it is a curve.
-Path path_of(const Values& v, const std::string& along)
-{
-    const std::vector<Vec3d>& points = v.points("points");
-    Path path{points, one_a_point(v, along, points.size())};
-    for (std::size_t n = 0; n + 1 < points.size(); ++n)
-        if (points[n] == points[n + 1])
-            throw v.problem("points", "neighbouring points of a path", "places apart", fmt::format("number {} twice", n + 1));
-    if (points.size() < 3 || !v.boolean("smooth")) return path;
-    Skeleton skeleton{points, {{}}};
-    double shortest = kInfinity;
-    for (std::size_t n = 0; n < points.size(); ++n) {
-        skeleton.arcs[0].push_back(n);
-        if (n > 0) shortest = std::min(shortest, (points[n] - points[n - 1]).length());
-    }
-    const std::vector<double> given = path.values;
-    path = {};
-    const SkeletonPath steps = arc_steps(skeleton, 0, shortest / kPiecesOfSpan, true);
-    for (std::size_t n = 0; n < steps.size(); ++n) {
-        const auto k = static_cast<std::size_t>(std::min(std::floor(steps[n].node), static_cast<double>(points.size() - 2)));
-        const double u = steps[n].node - static_cast<double>(k);
-        // Straight stretches need no steps; where the curve's own points are, its values may bend.
-        const bool own = u == 0.0 || n + 1 == steps.size();
-        if (!own && (steps[n + 1].at - path.points.back()).normalized().dot((steps[n].at - path.points.back()).normalized()) > kStraight) continue;
-        path.points.push_back(steps[n].at);
-        path.values.push_back(given[k] * (1.0 - u) + given[k + 1] * u);
-    }
-    return path;
-}
-
 BlobPtr polygon(const Values& v, std::int32_t material)
 {
     const std::vector<Vec3d>& corners = v.points("points");
@@ -137,7 +84,7 @@ BlobPtr sweep(const Values& v, std::int32_t material)
     if (numbers.size() % 2 != 0) throw v.problem("profile", "a profile", "x and y of each corner in turn", fmt::format("{} numbers", numbers.size()));
     std::vector<Vec2d> profile;
     for (std::size_t n = 0; n < numbers.size(); n += 2) profile.emplace_back(numbers[n], numbers[n + 1]);
-    const Path path = path_of(v, "scale");
+    const TablePath path = path_of(v, "scale");
     for (std::size_t n = 0; n + 2 < path.points.size(); ++n)
         if ((path.points[n + 1] - path.points[n]).normalized().dot((path.points[n + 2] - path.points[n + 1]).normalized()) < -0.5)
             throw v.problem(
@@ -148,64 +95,19 @@ BlobPtr sweep(const Values& v, std::int32_t material)
 
 // -- The tree ----------------------------------------------------------------------------------------------------------
 
-class Builder
+class Builder final : private NodeTables<BlobNode>
 {
 public:
-    Builder(const Values& row, const BuildContext& context) : row_(row), context_(context), tables_(row.tables("node")), built_(tables_.size())
-    {
-        for (std::size_t n = 0; n < tables_.size(); ++n) {
-            const auto [at, fresh] = numbers_.try_emplace(tables_[n].text("name"), n);
-            if (!fresh) throw tables_[n].problem("name", "two nodes have one name", "a name of its own", '"' + at->first + '"');
-            names_.push_back(at->first);
-        }
-    }
+    Builder(const Values& row, const BuildContext& context) : NodeTables(row), context_(context) {}
 
     ImplicitTree build()
     {
-        const std::string& wanted = row_.text("root");
-        const std::size_t root = wanted.empty() ? tables_.size() - 1 : find(wanted, row_, "root");
-        tree_.root = node(root);
-        for (std::size_t n = 0; n < tables_.size(); ++n)
-            if (!built_[n].node)
-                throw tables_[n].problem("name", fmt::format("the node \"{}\" is used by nothing", names_[n]),
-                                         fmt::format("a node that \"{}\" is made of", names_[root]));
+        tree_.root = build_root();
         return std::move(tree_);
     }
 
 private:
-    struct Slot {
-        BlobPtr node;
-        bool building = false;
-    };
-
-    std::size_t find(const std::string& name, const Values& v, const std::string& key) const
-    {
-        const auto found = numbers_.find(name);
-        if (found != numbers_.end()) return found->second;
-        throw Error(ErrorKind::scene, Problem{v.where(key), "there is no node of this name", {}, '"' + name + '"', nearest_name(name, names_)});
-    }
-
-    BlobPtr node(std::size_t n)
-    {
-        Slot& slot = built_[n];
-        if (slot.node) return slot.node;
-        if (slot.building) throw tables_[n].problem("name", fmt::format("the node \"{}\" is made of itself", names_[n]), "nodes without a circle");
-        slot.building = true;
-        slot.node = make(tables_[n], names_[n]);
-        slot.building = false;
-        return slot.node;
-    }
-
-    std::vector<BlobPtr> parts(const Values& v)
-    {
-        std::vector<BlobPtr> list;
-        for (const std::string& name : v.names("of")) list.push_back(node(find(name, v, "of")));
-        return list;
-    }
-
-    BlobPtr part(const Values& v) { return node(find(v.text("of"), v, "of")); }
-
-    BlobPtr make(const Values& v, const std::string& name)
+    BlobPtr make(const Values& v, const std::string& name) override
     {
         const std::string& kind = v.variant();
         if (kind == "union") return blob_combine(BlobOperator::unite, parts(v), v.number("width"));
@@ -235,7 +137,7 @@ private:
         if (kind == "point") return blob_curve({v.vec3("at")}, {v.number("radius")}, material);
         if (kind == "segment") return blob_curve(v.points("points"), one_a_point(v, "radius", 2), material);
         if (kind == "curve") {
-            Path path = path_of(v, "radius");
+            TablePath path = path_of(v, "radius");
             return blob_curve(std::move(path.points), std::move(path.values), material);
         }
         if (kind == "disc") {
@@ -275,12 +177,7 @@ private:
         return static_cast<std::int32_t>(std::find(tree_.materials.begin(), tree_.materials.end(), name) - tree_.materials.begin());
     }
 
-    const Values& row_;
     const BuildContext& context_;
-    const std::vector<Values>& tables_;
-    std::vector<Slot> built_;
-    std::map<std::string, std::size_t> numbers_;
-    std::vector<std::string> names_;
     ImplicitTree tree_;
 };
 
@@ -326,7 +223,7 @@ std::vector<Schema> primitive_schemas()
          {corners("points", "Two ends.", 2, 2), along("radius", "Of the ball: one, or one an end.", "m")}},
         {"curve",
          "A ball moved along a curve.",
-         {corners("points", "The curve.", 1, 4096), along("radius", "Of the ball: one, or one a point.", "m"), smooth()}},
+         {corners("points", "The curve.", 1, 4096), along("radius", "Of the ball: one, or one a point.", "m"), smooth_parameter()}},
         {"disc",
          "All near a round disc.",
          {place("centre", "Its centre."),
@@ -339,7 +236,9 @@ std::vector<Schema> primitive_schemas()
           length("extent", "Radius of the disc."),
           length("radius", "How near.")}},
         {"polygon", "All near a plane polygon.", {corners("points", "Its corners, in one plane, in turn.", 3, 4096), length("radius", "How near.")}},
-        {"sweep", "A cross section moved along a path.", {corners("points", "The path.", 2, 4096), std::move(profile), std::move(scale), smooth()}},
+        {"sweep",
+         "A cross section moved along a path.",
+         {corners("points", "The path.", 2, 4096), std::move(profile), std::move(scale), smooth_parameter()}},
     };
 }
 
