@@ -120,6 +120,12 @@ AreaJet& AreaJet::narrow()
     return *this;
 }
 
+AreaJet& AreaJet::within(const Interval& values)
+{
+    value = Interval::common(value, values);
+    return narrow();
+}
+
 AreaJet AreaJet::widened() const
 {
     AreaJet a = *this;

@@ -49,6 +49,8 @@ struct AreaJet {
     static AreaJet constant(double value, double radius);
     /// Narrows each enclosure by the others: the value at the point, its gradient there, and how fast that can turn.
     AreaJet& narrow();
+    /// The same, when its values are known to lie in an interval too.
+    AreaJet& within(const Interval& values);
     /// With room for the rounding of all that it was computed from.
     AreaJet widened() const;
 };

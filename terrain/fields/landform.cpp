@@ -28,7 +28,7 @@ public:
         const Elevated<Jet2> there = node_->at(image(p), datum);
         const Vec2d gx = x_->gradient(p), gy = y_->gradient(p);
         const auto back = [&](const Jet2& jet) { return Jet2{jet.value, jet.gradient + gx * jet.gradient.x + gy * jet.gradient.y}; };
-        return {back(there.height), back(there.weight)};
+        return {back(there.height), back(there.weight), {}};
     }
 
     Elevated<AreaJet> over(const Area& area, double datum) const override
@@ -56,7 +56,7 @@ public:
             b.size += jet.slope * (x.value.magnitude() + y.value.magnitude());
             return b.narrow();
         };
-        return {back(known.height, here.height), back(known.weight, here.weight)};
+        return {back(known.height, here.height), back(known.weight, here.weight), known.heights};
     }
 
     Box2d support() const override
@@ -88,7 +88,8 @@ public:
     Elevated<Jet2> at(const Vec2d& p, double datum) const override
     {
         const Elevated<Jet2> there = node_->at(back(p), below(datum));
-        return {{there.height.value * scale_, turned(there.height.gradient)}, {there.weight.value, turned(there.weight.gradient) * (1.0 / scale_)}};
+        return {
+            {there.height.value * scale_, turned(there.height.gradient)}, {there.weight.value, turned(there.weight.gradient) * (1.0 / scale_)}, {}};
     }
 
     Elevated<AreaJet> over(const Area& area, double datum) const override
@@ -106,7 +107,7 @@ public:
             jet.size = jet.size * by + jet.slope * (std::abs(shift_.x) + std::abs(shift_.y));
             return jet.narrow();
         };
-        return {moved(there.height, scale_), moved(there.weight, 1.0)};
+        return {moved(there.height, scale_), moved(there.weight, 1.0), there.heights.scaled(scale_)};
     }
 
     Box2d support() const override

@@ -18,6 +18,8 @@ namespace hoodoo
 template <class T>
 struct Elevated {
     T height, weight;
+    /// Over an area: encloses h - datum wherever the weight is not 0; lo above hi if it is 0 everywhere. Unused at a point.
+    Interval heights{kInfinity, -kInfinity};
 };
 
 /// A node of the tree. Immutable, thread-safe. Metres; weights are pure numbers, 0 or more.

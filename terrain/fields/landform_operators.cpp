@@ -95,7 +95,35 @@ AreaJet constant_like(const AreaJet& like, double value)
 template <class T>
 Elevated<T> weighted(const Elevated<T>& e, bool covers)
 {
-    return {covers ? e.height * e.weight : e.height, e.weight};
+    return {covers ? e.height * e.weight : e.height, e.weight, e.heights};
+}
+
+/// Narrows what is known of a node by the range of its heights.
+Elevated<AreaJet> settled(Elevated<AreaJet> e, bool covers)
+{
+    if (e.heights.lo > e.heights.hi) return e;
+    e.height.within(covers ? e.heights : Interval::hull({0.0, 0.0}, e.weight.value * e.heights));
+    return e;
+}
+Elevated<Jet2> settled(const Elevated<Jet2>& e, bool)
+{
+    return e;
+}
+
+/// The range of heights that an operator makes of two; `share`: of the second's weights.
+Interval heights_after(LandformOperator what, const Interval& a, const Interval& b, const Interval& share)
+{
+    if (b.lo > b.hi || a.lo > a.hi) return a;
+    switch (what) {
+        case LandformOperator::add:
+            return a + b * share;
+        case LandformOperator::raise:
+            return {a.lo, std::max(a.hi, b.hi)};
+        case LandformOperator::lower:
+            return {std::min(a.lo, b.lo), a.hi};
+        default:
+            return Interval::hull(a, b);
+    }
 }
 
 /// The same with weights above 1 taken for 1.
@@ -103,7 +131,7 @@ template <class T>
 Elevated<T> capped(const Elevated<T>& e)
 {
     const T above = positive_part(shifted(e.weight, -1.0));
-    return {quotient(e.height, shifted(above, 1.0)), e.weight - above};
+    return settled({quotient(e.height, shifted(above, 1.0)), e.weight - above, e.heights}, false);
 }
 
 double least_of(const std::vector<LandformPtr>& nodes, BlendWeight weight)
@@ -216,21 +244,23 @@ private:
         std::vector<std::uint32_t> found;
         tree_.find(box, found);
         std::vector<Elevated<T>> parts;
+        Interval heights{kInfinity, -kInfinity};
         T height = none, sum = none, without = constant_like(none, 1.0);
         for (const std::uint32_t n : found) {
             parts.push_back(weighted(ask(*nodes_[n]), nodes_[n]->covers()));
+            heights = Interval::hull(heights, parts.back().heights);
             height = height + parts.back().height;
             sum = sum + parts.back().weight;
             if (weight_ == BlendWeight::united) without = without * shifted(scaled(parts.back().weight, -1.0), 1.0);
         }
-        if (parts.empty()) return {none, none};
+        if (parts.empty()) return {none, none, heights};
         const T united = shifted(scaled(without, -1.0), 1.0), weight = weight_ == BlendWeight::united ? united : sum;
         if (covers()) {
             if constexpr (std::is_same_v<T, AreaJet>) sum.value.lo = std::max(sum.value.lo, least_);
-            return {quotient(height, sum), weight};
+            return settled({quotient(height, sum), weight, heights}, true);
         }
         if (weight_ == BlendWeight::united) height = height * united_factor(parts, sum, united);
-        return {height, weight};
+        return settled({height, weight, heights}, false);
     }
 
     std::vector<LandformPtr> nodes_;
@@ -296,27 +326,35 @@ private:
 }  // namespace
 
 template <class T>
-Elevated<T> applied(LandformOperator what, const Elevated<T>& a, const Elevated<T>& b, bool covered)
+static Elevated<T> combined(LandformOperator what, const Elevated<T>& a, const Elevated<T>& b, bool covered)
 {
     const T rest = shifted(scaled(b.weight, -1.0), 1.0);  // 1 - w1
     switch (what) {
         case LandformOperator::replace:
-            return {rest * a.height + b.height, rest * a.weight + b.weight * b.weight};
+            return {rest * a.height + b.height, rest * a.weight + b.weight * b.weight, {}};
         case LandformOperator::inset: {
             const T q = curve_of(kQuintic, kQuinticLevel, kQuinticSteepest, kQuinticBent, b.weight);
             const T share = curve_of(kShare, kShareLevel, kShareSteepest, kShareBent, b.weight) * b.height;
-            return {shifted(scaled(q, -1.0), 1.0) * a.height + (covered ? share : a.weight * share), a.weight};
+            return {shifted(scaled(q, -1.0), 1.0) * a.height + (covered ? share : a.weight * share), a.weight, {}};
         }
         case LandformOperator::add:
-            return {a.height + (covered ? b.height : a.weight * b.height), a.weight};
+            return {a.height + (covered ? b.height : a.weight * b.height), a.weight, {}};
         case LandformOperator::raise:
         case LandformOperator::lower: {
             const double sign = what == LandformOperator::raise ? 1.0 : -1.0;
             const T rise = (covered ? b.height : a.weight * b.height) - b.weight * a.height;
-            return {a.height + scaled(positive_part(scaled(rise, sign)), sign), a.weight};
+            return {a.height + scaled(positive_part(scaled(rise, sign)), sign), a.weight, {}};
         }
     }
     throw Error(ErrorKind::internal, "no such operator");
+}
+
+template <class T>
+Elevated<T> applied(LandformOperator what, const Elevated<T>& a, const Elevated<T>& b, bool covered)
+{
+    Elevated<T> c = combined(what, a, b, covered);
+    if constexpr (std::is_same_v<T, AreaJet>) c.heights = heights_after(what, a.heights, b.heights, b.weight.value);
+    return settled(c, covered);
 }
 
 template Elevated<Jet2> applied(LandformOperator, const Elevated<Jet2>&, const Elevated<Jet2>&, bool);

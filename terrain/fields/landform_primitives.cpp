@@ -37,6 +37,17 @@ Box2d grown(Box2d box, double by)
     return {box.min - Vec2d(by), box.max + Vec2d(by)};
 }
 
+Elevated<AreaJet> nothing(const Area& area)
+{
+    return {AreaJet::constant(0.0, area.radius), AreaJet::constant(0.0, area.radius), {kInfinity, -kInfinity}};
+}
+
+/// weight (h - datum) from the two.
+Elevated<AreaJet> weighted(const AreaJet& weight, const AreaJet& height)
+{
+    return {weight * height, weight, height.value};
+}
+
 /// A primitive that ends: its bounds are found over its own part of the area, and hold with 0 for the rest.
 class Bounded : public Landform
 {
@@ -46,7 +57,7 @@ public:
         const Box2d own = support();
         Box2d box(Vec2d(std::max(area.box.min.x, own.min.x), std::max(area.box.min.y, own.min.y)),
                   Vec2d(std::min(area.box.max.x, own.max.x), std::min(area.box.max.y, own.max.y)));
-        if (box.isEmpty()) return {AreaJet::constant(0.0, area.radius), AreaJet::constant(0.0, area.radius)};
+        if (box.isEmpty()) return nothing(area);
         if (box == area.box && std::isfinite(area.radius)) return within(area, datum);
         Elevated<AreaJet> bounds = within(Area::of(box), datum);
         const Elevated<Jet2> here = at(area.at, datum);
@@ -71,10 +82,10 @@ class Flat final : public Landform
 {
 public:
     explicit Flat(double height) : height_(height) {}
-    Elevated<Jet2> at(const Vec2d&, double datum) const override { return {{height_ - datum}, {1.0}}; }
+    Elevated<Jet2> at(const Vec2d&, double datum) const override { return {{height_ - datum}, {1.0}, {}}; }
     Elevated<AreaJet> over(const Area& area, double datum) const override
     {
-        return {shifted(AreaJet::constant(height_, area.radius), -datum), AreaJet::constant(1.0, area.radius)};
+        return {shifted(AreaJet::constant(height_, area.radius), -datum), AreaJet::constant(1.0, area.radius), {height_ - datum, height_ - datum}};
     }
     Box2d support() const override { return {Vec2d(-kInfinity), Vec2d(kInfinity)}; }
     double least_weight() const override { return 1.0; }
@@ -87,10 +98,11 @@ class Whole final : public Landform
 {
 public:
     Whole(std::shared_ptr<const Height> height, std::uint64_t bytes) : height_(std::move(height)), bytes_(bytes) {}
-    Elevated<Jet2> at(const Vec2d& p, double datum) const override { return {{height_->height(p) - datum, height_->gradient(p)}, {1.0}}; }
+    Elevated<Jet2> at(const Vec2d& p, double datum) const override { return {{height_->height(p) - datum, height_->gradient(p)}, {1.0}, {}}; }
     Elevated<AreaJet> over(const Area& area, double datum) const override
     {
-        return {known(*height_, area, datum), AreaJet::constant(1.0, area.radius)};
+        const AreaJet height = known(*height_, area, datum);
+        return {height, AreaJet::constant(1.0, area.radius), height.value};
     }
     Box2d support() const override { return {Vec2d(-kInfinity), Vec2d(kInfinity)}; }
     double least_weight() const override { return 1.0; }
@@ -175,7 +187,7 @@ public:
         if (d >= falloff_.radius) return {};
         const auto [w, slope] = falloff_at(falloff_, d);
         const Jet2 weight{w, d > 0.0 ? away * (slope / d) : Vec2d(0.0)};
-        return {weight * Jet2{height_->height(p) - datum, height_->gradient(p)}, weight};
+        return {weight * Jet2{height_->height(p) - datum, height_->gradient(p)}, weight, {}};
     }
     Box2d support() const override { return grown({centre_, centre_}, falloff_.radius); }
     std::uint64_t memory_bytes() const override { return bytes_; }
@@ -185,8 +197,8 @@ private:
     {
         const DistanceOver d{distance(area.at - centre_, area), true};
         const AreaJet weight = radial(falloff_at(falloff_, d.jet.at.value), falloff_over(falloff_, d.jet.value), d);
-        if (weight.value.hi == 0.0) return {AreaJet::constant(0.0, area.radius), weight};
-        return {weight * known(*height_, area, datum), weight};
+        if (weight.value.hi == 0.0) return nothing(area);
+        return weighted(weight, known(*height_, area, datum));
     }
 
     std::shared_ptr<const Height> height_;
@@ -213,15 +225,24 @@ template <class T>
 T joined(const std::vector<typename NearPieces<T>::Near>& near, const T& least, double joint, double shortest, T sum, T weights)
 {
     if (near.size() == 1) return near[0].height;
+    Interval heights{kInfinity, -kInfinity};
     for (const auto& piece : near) {
-        const T part = positive_part(shifted(scaled(piece.square - least, -1.0 / (joint * joint)), 1.0));
+        T part = positive_part(shifted(scaled(piece.square - least, -1.0 / (joint * joint)), 1.0));
+        if constexpr (std::is_same_v<T, AreaJet>) {
+            part.within({0.0, 1.0});  // no square is below the least
+            heights = Interval::hull(heights, piece.height.value);
+        }
         const T e = scaled(part * part, piece.length);
         sum = sum + e * piece.height;
         weights = weights + e;
     }
     // The nearest piece itself has its length for a weight.
-    if constexpr (std::is_same_v<T, AreaJet>) weights.value.lo = std::max(weights.value.lo, shortest);
-    return quotient(sum, weights);
+    if constexpr (std::is_same_v<T, AreaJet>) {
+        weights.value.lo = std::max(weights.value.lo, shortest);
+        return quotient(sum, weights).within(heights);
+    } else {
+        return quotient(sum, weights);
+    }
 }
 
 class Path final : public Bounded
@@ -270,7 +291,7 @@ public:
         height = height + along(section_.at(d));
         if (rough_) height = height + Jet2{rough_->height(p), rough_->gradient(p)};
         const Jet2 weight = along(falloff_at(falloff_, d));
-        return {weight * height, weight};
+        return {weight * height, weight, {}};
     }
     Box2d support() const override { return support_; }
     std::uint64_t memory_bytes() const override { return pieces_.size() * (sizeof(Piece) + 2 * sizeof(Box2d)); }
@@ -316,15 +337,15 @@ private:
             }
             if (lo * lo - farthest * farthest < joint_ * joint_) near.push_back({square, piece.height(area, datum), piece.length});
         }
-        if (nearest == 0) return {AreaJet::constant(0.0, area.radius), AreaJet::constant(0.0, area.radius)};
+        if (nearest == 0) return nothing(area);
         d.convex = nearest == 1;
         const AreaJet weight = radial(falloff_at(falloff_, d.jet.at.value), falloff_over(falloff_, d.jet.value), d);
-        if (weight.value.hi == 0.0) return {AreaJet::constant(0.0, area.radius), weight};
+        if (weight.value.hi == 0.0) return nothing(area);
         const AreaJet none = AreaJet::constant(0.0, area.radius);
         AreaJet height = joined<AreaJet>(near, least, joint_, shortest, none, none);
         height = height + radial(section_.at(d.jet.at.value), section_.over(d.jet.value), d);
         if (rough_) height = height + known(*rough_, area, 0.0);
-        return {weight * height, weight};
+        return weighted(weight, height);
     }
 
     /// The smaller of two, wherever it is which.

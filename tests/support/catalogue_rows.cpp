@@ -158,6 +158,52 @@ std::string every_node(const Vec3d& shift)
            node("all", "union", "of = [\"rough\", \"lens\", \"star\"]") + node("solid", "difference", "of = [\"all\", \"tunnel\"]\nwidth = 0.05");
 }
 
+std::string land_node(const std::string& name, const std::string& kind, const std::string& rest)
+{
+    return fmt::format("[[node]]\nname = \"{}\"\nkind = \"{}\"\n{}\n", name, kind, rest);
+}
+
+std::string land_area(const Vec3d& shift)
+{
+    return fmt::format("centre = [{:.17g}, {:.17g}]\nextent = 6.0\npatch = 0.5\ngrowth = 0.0\n", shift.x, shift.y);
+}
+
+/// Every landform and every operator, the tree moved as a whole by its own last node.
+std::string every_landform(const Vec3d& shift)
+{
+    const auto node = land_node;
+    return land_area(shift) + node("plain", "flat", "height = 0.5") +
+           node("hills", "noise", "noise = \"billow\"\nrelief = 0.6\nwavelength = 3.0\noctaves = 3") +
+           node("moor", "noise", "relief = 0.8\nwavelength = 2.0\noctaves = 2\nheight = 1.0\nat = [-3, 3]\nradius = 2.5\ncore = 0.5\npower = 2") +
+           node("hill", "point", "at = [2, 2, 1.5]\nradius = 2.2\nprofile = [0, 1.0, 0.8, 0.4, 2.0, 0]") +
+           node("spike", "point", "at = [3, -2, 0.5]\nradius = 1.5\nprofile = [0, 1.5, 1.2, 0]\nsharp = true") +
+           node("ditch", "segment",
+                "points = [[-4, -3, 0.2], [1, -2, -0.4]]\nradius = 1.2\ncore = 0.2\nrough = 0.1\nrough_wavelength = 0.7\nrough_octaves = 2") +
+           node("river", "curve",
+                "points = [[-5, 0, 0.4], [-2, 1, 0.2], [0, -1, 0.1], [2, 0.5, -0.2], [5, -1, -0.5]]\nradius = 1.1\nprofile = [0, 0, 0.3, 0.02, 1.1, "
+                "0.4]") +
+           node("wall", "curve", "points = [[-1, 4, 1], [0, 2.5, 1.4], [1, 4.5, 1.2]]\nsmooth = false\nradius = 0.9\ncore = 0.3\njoint = 0.2") +
+           node("two", "blend", "of = [\"hill\", \"wall\"]\nweight = \"united\"") + node("heap", "blend", "of = [\"moor\", \"two\", \"spike\"]") +
+           node("ground", "add", "of = [\"plain\", \"hills\"]") + node("land", "replace", "of = [\"ground\", \"heap\"]") +
+           node("again", "move", "of = \"two\"\nscale = 0.7\nturn = \"130 deg\"\nshift = [-2, -4, 0.3]") +
+           node("raised", "max", "of = [\"land\", \"again\"]") + node("cut", "min", "of = [\"raised\", \"ditch\"]") +
+           node("wet", "inset", "of = [\"cut\", \"river\"]") + node("bent", "warp", "of = \"wet\"\namplitude = 0.3\nwavelength = 3.0\noctaves = 2") +
+           node("all", "move", fmt::format("of = \"bent\"\nshift = {}", vector_text(shift)));
+}
+
+/// A hill, a road and two local landforms run together, on rugged samples.
+std::string landforms_on(const std::string& base, const Vec3d& shift)
+{
+    const auto at = [&](double x, double y, double z) { return vector_text(Vec3d(x, y, z) + shift); };
+    return fmt::format("centre = [{:.17g}, {:.17g}]\nextent = 7.0\npatch = 0.5\ngrowth = 0.0\n", shift.x + 8, shift.y + 8) +
+           land_node("ground", "terrain", fmt::format("terrain = \"{}\"", base)) +
+           land_node("road", "curve", fmt::format("points = [{}, {}, {}]\nradius = 1.5\ncore = 0.6", at(2, 3, 5), at(8, 9, 6), at(14, 8, 4))) +
+           land_node("cone", "point", fmt::format("at = {}\nradius = 3.0\nprofile = [0, 3, 3, 0]\nsharp = true", at(11, 12, 4))) +
+           land_node("lip", "point", fmt::format("at = {}\nradius = 1.0", at(11, 12, 5.5))) +
+           land_node("crater", "inset", "of = [\"cone\", \"lip\"]") + land_node("land", "max", "of = [\"ground\", \"crater\"]") +
+           land_node("top", "replace", "of = [\"land\", \"road\"]");
+}
+
 /// The carved block with a cave through its wall. Moved as a whole.
 std::string caves_in(const std::string& base, const Vec3d& shift)
 {
@@ -262,7 +308,10 @@ const std::vector<RowInstance>& row_instances()
          0.95},
         {"elevation", "elevation_fbm", [](const Vec3d& s) { return small_hills("fbm", s); }, 0.9},
         {"elevation", "elevation_ridged", [](const Vec3d& s) { return small_hills("ridged", s); }, 0.9},
+        {"elevation", "elevation_billow", [](const Vec3d& s) { return small_hills("billow", s); }, 0.9},
         {"elevation", "elevation_multifractal", [](const Vec3d& s) { return small_hills("multifractal", s); }, 0.9},
+        {"landforms", "landforms", every_landform, 0.9},
+        {"landforms", "landforms_on_heights", [](const Vec3d& s) { return landforms_on("heightfield", s); }, 0.9},
         {"implicit", "implicit", every_node},
         {"implicit", "implicit_caves", [](const Vec3d& s) { return caves_in("convolution_cut_sphere", s); }},
         {"implicit", "implicit_caves_in_voxels", [](const Vec3d& s) { return caves_in("voxels_of_layers", s); }},
