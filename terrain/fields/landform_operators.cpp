@@ -241,18 +241,16 @@ private:
     template <class T, class Ask>
     Elevated<T> mixed(const Box2d& box, const T& none, const Ask& ask) const
     {
-        std::vector<std::uint32_t> found;
-        tree_.find(box, found);
         std::vector<Elevated<T>> parts;
         Interval heights{kInfinity, -kInfinity};
         T height = none, sum = none, without = constant_like(none, 1.0);
-        for (const std::uint32_t n : found) {
+        tree_.for_each(box, [&](std::uint32_t n) {
             parts.push_back(weighted(ask(*nodes_[n]), nodes_[n]->covers()));
             heights = Interval::hull(heights, parts.back().heights);
             height = height + parts.back().height;
             sum = sum + parts.back().weight;
             if (weight_ == BlendWeight::united) without = without * shifted(scaled(parts.back().weight, -1.0), 1.0);
-        }
+        });
         if (parts.empty()) return {none, none, heights};
         const T united = shifted(scaled(without, -1.0), 1.0), weight = weight_ == BlendWeight::united ? united : sum;
         if (covers()) {
@@ -304,15 +302,13 @@ private:
     Elevated<T> after(const Box2d& box, double datum, const Ask& ask) const
     {
         Elevated<T> sum = ask(*nodes_[0], datum);
-        std::vector<std::uint32_t> found;
-        tree_.find(box, found);
-        for (const std::uint32_t n : found) {
+        tree_.for_each(box, [&](std::uint32_t n) {
             const Landform& node = *nodes_[n + 1];
             // What is added is a height by itself; all else is one beside the first.
             Elevated<T> next = weighted(ask(node, what_ == LandformOperator::add ? 0.0 : datum), node.covers());
             if (node.most_weight() > 1.0) next = capped(next);
             sum = applied(what_, sum, next, nodes_[0]->covers());
-        }
+        });
         return sum;
     }
 

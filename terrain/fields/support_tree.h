@@ -20,7 +20,23 @@ public:
     /// Numbers of all rectangles that meet `area`, borders included, in ascending order.
     void find(const Box2d& area, std::vector<std::uint32_t>& found) const;
 
+    /// visit(number) for each of them; few rectangles are just looked at.
+    template <class Visit>
+    void for_each(const Box2d& area, const Visit& visit) const
+    {
+        if (boxes_.size() <= kFew) {
+            for (std::uint32_t n = 0; n < boxes_.size(); ++n)
+                if (boxes_[n].intersects(area)) visit(n);
+            return;
+        }
+        std::vector<std::uint32_t> found;
+        find(area, found);
+        for (const std::uint32_t n : found) visit(n);
+    }
+
 private:
+    static constexpr std::size_t kFew = 16;
+
     struct Node {
         Box2d box;
         std::uint32_t first, count;  ///< of order_; an inner node's count is 0 and its children are `first` and `first + 1`
