@@ -28,6 +28,7 @@ std::span<const CatalogueEntry> catalogue()
         heightfield_row(),
         elevation_row(),
         landforms_row(),
+        layers_row(),
     };
     // clang-format on
     return rows;

@@ -7,7 +7,7 @@
 #include "terrain/error.h"
 #include "terrain/fields/grid_fill.h"
 #include "terrain/io/height_file.h"
-#include "terrain/march/grid_rays.h"
+#include "terrain/surfaces/grid_hit.h"
 #include "terrain/surfaces/refine.h"
 #include "terrain/surfaces/rows.h"
 
@@ -36,35 +36,14 @@ public:
 
     bool intersect(PatchId patch, const Ray& ray, Hit& hit) const override
     {
-        GridCrossing found;
-        if (!GridRay(*grid_, ray).first_in_block(static_cast<int>(patch.index), hit.t, found, hit.evaluations)) return false;
-        hit.t = found.t;
+        if (!meet_grid(*grid_, static_cast<int>(patch.index), ray, hit)) return false;
         hit.patch = patch;
         return true;
     }
 
     Interaction interact(const Ray& ray, const Hit& hit) const override
     {
-        // Which triangle it was, the same walk tells again.
-        const GridRay walk(*grid_, ray);
-        GridCrossing found;
-        std::uint32_t cells = 0;
-        walk.first_in_block(static_cast<int>(hit.patch.index), kInfinity, found, cells);
-
-        Interaction at;
-        at.t = hit.t;
-        at.position = ray.at(hit.t);
-        const Vec2d over(at.position.x, at.position.y);
-        const HeightGrid::Facet facet = grid_->facet(found.column, found.row, found.upper, over);
-        at.geometric_normal = Vec3d(-facet.gradient.x, -facet.gradient.y, 1.0).normalized();
-        // The point is put onto the triangle; how far along the ray it may be wrong is the error of heights over the rate at which they close in.
-        const double height_error = walk.height_error();
-        at.position.z = facet.height;
-        const double closing = std::abs(ray.direction.z - facet.gradient.x * ray.direction.x - facet.gradient.y * ray.direction.y);
-        const double size = std::abs(ray.origin.x) + std::abs(ray.origin.y) + std::abs(ray.origin.z) + hit.t;
-        const Vec2d cell = grid_->frame().cell;
-        at.position_error = std::min(height_error / std::max(closing, 1e-12), cell.x + cell.y) + height_error + 8.0 * 0x1p-52 * size;
-        at.spawn_offset = spawn_offset(at.position, at.geometric_normal, height_error + 8.0 * 0x1p-52 * size);
+        Interaction at = grid_interaction(*grid_, static_cast<int>(hit.patch.index), ray, hit);
         dress(at);
         return at;
     }
@@ -107,18 +86,6 @@ public:
     }
 
 private:
-    /// Along the normal until the ground lies below for certain.
-    double spawn_offset(const Vec3d& p, const Vec3d& n, double error) const
-    {
-        const double widest = grid_->frame().cell.x + grid_->frame().cell.y;
-        double offset = 4.0 * error;
-        for (; offset < widest; offset *= 2.0) {
-            const Vec3d q = p + n * offset;
-            if (q.z > grid_->height({q.x, q.y}) + 2.0 * error) break;
-        }
-        return offset;
-    }
-
     std::unique_ptr<HeightGrid> grid_;
     HeightAsField field_;
     GeoReference place_;

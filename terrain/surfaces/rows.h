@@ -19,6 +19,7 @@ CatalogueEntry cracked_row();
 CatalogueEntry heightfield_row();
 CatalogueEntry elevation_row();
 CatalogueEntry landforms_row();
+CatalogueEntry layers_row();
 
 /// The rows whose surfaces are heights over the plane by themselves: what another row may take as its ground, in a table of its own.
 std::vector<CatalogueEntry> height_rows();

@@ -104,6 +104,41 @@ const std::string& heights_path()
     return path;
 }
 
+/// Bedrock with hills, drifts of sand and two ponds over 37 x 29 columns; one archive a layer, written once a process.
+const std::string& layer_path(const std::string& layer)
+{
+    static const std::map<std::string, std::string> paths = [] {
+        std::map<std::string, std::string> made;
+        std::vector<float> bedrock, sand, water;
+        for (int row = 0; row < 29; ++row) {
+            for (int column = 0; column < 37; ++column) {
+                const double rock = 2.0 + 1.2 * std::sin(0.35 * column) * std::cos(0.4 * row) + 0.4 * unit_real(hash_cell(7, column, row));
+                const double drift = std::max(0.0, 0.5 * std::sin(0.9 * column + 0.3 * row)), level = column < 18 ? 1.7 : 2.1;
+                bedrock.push_back(static_cast<float>(rock));
+                sand.push_back(static_cast<float>(drift));
+                water.push_back(std::max(0.0f, static_cast<float>(level) - bedrock.back() - sand.back()));
+            }
+        }
+        for (const auto& [name, numbers] : {std::pair("bedrock", bedrock), std::pair("sand", sand), std::pair("water", water)}) {
+            made[name] = (std::filesystem::temp_directory_path() / fmt::format("hoodoo_law_{}_{}.exr", name, ::getpid())).string();
+            OIIO::ImageSpec spec(37, 29, 1, OIIO::TypeDesc::FLOAT);
+            const auto out = OIIO::ImageOutput::create(made[name]);
+            out->open(made[name], spec);
+            out->write_image(OIIO::TypeDesc::FLOAT, numbers.data());
+            out->close();
+        }
+        return made;
+    }();
+    return paths.at(layer);
+}
+
+/// Layers without water, or with it.
+std::string small_layers(const Vec3d& s, const std::string& more)
+{
+    return fmt::format("bedrock = \"{}\"\nsand = \"{}\"\nbedrock_offset = {:.17g}\ncell = 0.5\norigin = [{:.17g}, {:.17g}]\n{}",
+                       layer_path("bedrock"), layer_path("sand"), s.z, s.x, s.y, more);
+}
+
 std::string vector_text(const Vec3d& v)
 {
     return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x, v.y, v.z);
@@ -312,6 +347,8 @@ const std::vector<RowInstance>& row_instances()
         {"elevation", "elevation_multifractal", [](const Vec3d& s) { return small_hills("multifractal", s); }, 0.9},
         {"landforms", "landforms", every_landform, 0.9},
         {"landforms", "landforms_on_heights", [](const Vec3d& s) { return landforms_on("heightfield", s); }, 0.9},
+        {"layers", "layers", [](const Vec3d& s) { return small_layers(s, ""); }, 0.95},
+        {"layers", "layers_with_water", [](const Vec3d& s) { return small_layers(s, fmt::format("water = \"{}\"\n", layer_path("water"))); }, 0.9},
         {"implicit", "implicit", every_node},
         {"implicit", "implicit_caves", [](const Vec3d& s) { return caves_in("convolution_cut_sphere", s); }},
         {"implicit", "implicit_caves_in_voxels", [](const Vec3d& s) { return caves_in("voxels_of_layers", s); }},
