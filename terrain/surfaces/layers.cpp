@@ -109,9 +109,13 @@ public:
 
     Interaction interact(const Ray& ray, const Hit& hit) const override
     {
-        // The very crossing: those before it lie below the ground.
+        // The very crossing: those of water before it lie below the ground.
         Ray rest = ray;
-        rest.t_min = std::max(ray.t_min, std::nextafter(hit.t, -kInfinity));
+        Hit found;
+        while (hit.patch.tile == 1 && meet_grid(grid(hit.patch), block(hit.patch), rest, found) && found.t < hit.t) {
+            rest.t_min = found.t;
+            found.t = kInfinity;
+        }
         Interaction at = grid_interaction(grid(hit.patch), block(hit.patch), rest, hit);
         if (hit.patch.tile == 0) {
             dress(at);
