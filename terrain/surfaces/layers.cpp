@@ -30,12 +30,13 @@ namespace
 
 enum Shown : std::uint8_t { kBedrock, kSand, kWater };
 
-std::unique_ptr<HeightGrid> grid_of(const LayerMaps& maps, const std::function<double(std::size_t)>& height)
+/// Heights are kept as floats above `base`.
+std::unique_ptr<HeightGrid> grid_of(const LayerMaps& maps, double base, const std::function<double(std::size_t)>& height)
 {
-    const Vec3d south_west(maps.origin.x + 0.5 * maps.cell, maps.origin.y + 0.5 * maps.cell, 0.0);
+    const Vec3d south_west(maps.origin.x + 0.5 * maps.cell, maps.origin.y + 0.5 * maps.cell, base);
     auto grid = std::make_unique<HeightGrid>(GridFrame{south_west, Vec2d(maps.cell), 1.0}, maps.size.x, maps.size.y, SampleType::f32);
     for (int j = 0; j < maps.size.y; ++j)
-        for (int i = 0; i < maps.size.x; ++i) grid->set(i, j, height(maps.index(i, j)));
+        for (int i = 0; i < maps.size.x; ++i) grid->set(i, j, height(maps.index(i, j)) - base);
     grid->summarise();
     return grid;
 }
@@ -64,12 +65,13 @@ class LayersSurface final : public Surface
 public:
     LayersSurface(const LayerMaps& maps, double cover) : cover_(cover)
     {
-        ground_ = grid_of(maps, [&](std::size_t k) { return maps.ground(k); });
-        sand_ = grid_of(maps, [&](std::size_t k) { return maps.sand[k]; });
+        const double base = *std::min_element(maps.bedrock.begin(), maps.bedrock.end());
+        ground_ = grid_of(maps, base, [&](std::size_t k) { return maps.ground(k); });
+        sand_ = grid_of(maps, 0.0, [&](std::size_t k) { return maps.sand[k]; });
         field_ = std::make_unique<HeightAsField>(*ground_);
         if (std::all_of(maps.water.begin(), maps.water.end(), [](double w) { return w == 0.0; })) return;
         const std::vector<double> heights = water_heights(maps);
-        water_ = grid_of(maps, [&](std::size_t k) { return heights[k]; });
+        water_ = grid_of(maps, base, [&](std::size_t k) { return heights[k]; });
         for (int block = 0; block < water_->blocks_across() * water_->blocks_up(); ++block) {
             const int i0 = block % water_->blocks_across() * HeightGrid::kBlock, j0 = block / water_->blocks_across() * HeightGrid::kBlock;
             bool wet = false;
@@ -146,7 +148,8 @@ public:
     bool closed() const override { return false; }
     const Field* field() const override { return water_ ? nullptr : field_.get(); }
     std::vector<const Field*> fields() const override { return {field_.get()}; }
-    const Height* height() const override { return ground_.get(); }
+    /// With water there are two.
+    const Height* height() const override { return water_ ? nullptr : ground_.get(); }
 
     SurfaceInfo info() const override
     {
