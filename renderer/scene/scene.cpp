@@ -210,12 +210,17 @@ const Interior* Scene::around(const Vec3d& eye, double time) const
     return nullptr;
 }
 
-const Interior* Scene::interior(std::uint32_t object, const Interaction& at) const
+const Interior* Scene::interior(std::uint32_t object, const Interaction& at, float* share, std::size_t* which) const
 {
-    if (at.materials.count != 1) return nullptr;
     const std::vector<std::uint32_t>& names = objects_[object].materials;
-    const std::optional<Interior>& body = interiors_[names[std::min<std::size_t>(at.materials.index[0], names.size() - 1)]];
-    return body ? &*body : nullptr;
+    for (std::size_t i = 0; i < at.materials.count; ++i) {
+        const std::optional<Interior>& body = interiors_[names[std::min<std::size_t>(at.materials.index[i], names.size() - 1)]];
+        if (!body || !(at.materials.weight[i] > 0.0f)) continue;
+        if (share) *share = at.materials.weight[i];
+        if (which) *which = i;
+        return &*body;
+    }
+    return nullptr;
 }
 
 Appearance Scene::appearance(std::uint32_t object, const Interaction& at, double footprint) const

@@ -68,8 +68,9 @@ public:
     /// Albedo, roughness, normal and coat at an interaction: the materials blended by their visible shares.
     Appearance appearance(std::uint32_t object, const Interaction& at, double footprint) const;
 
-    /// What lies under the surface there, if light passes it; nullptr where it does not, and where several materials are seen at once.
-    const Interior* interior(std::uint32_t object, const Interaction& at) const;
+    /// What lies under the surface there, if light passes one of the materials seen; nullptr where none lets it. `share` becomes that material's
+    /// part of what is seen, `which` its place in at.materials.
+    const Interior* interior(std::uint32_t object, const Interaction& at, float* share = nullptr, std::size_t* which = nullptr) const;
 
     /// What the camera's eye is in at a time in [0, 1] of the shutter, to the nearer end of it; nullptr: air.
     const Interior* around_eye(double time) const { return around_eye_[time < 0.5 ? 0 : 1]; }

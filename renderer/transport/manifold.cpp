@@ -34,7 +34,7 @@ constexpr int kSteps = 24, kHalvings = 6, kTrials = 256;
 /// Where a direction from the point leads.
 struct Exit {
     Vec3d towards;                         ///< t(w), unit, in air
-    double distance = 0.0, passing = 0.0;  ///< metres in water; 1 - F
+    double distance = 0.0, passing = 0.0;  ///< metres in water; share of light that leaves it
     Vec3d outside;                         ///< origin of the ray in air
 };
 
@@ -105,8 +105,13 @@ private:
         ray.crossing = Crossing::any;
         const TraceHit hit = scene_.tracer().intersect(ray);
         if (!hit.valid) return std::nullopt;
-        const Interaction at = scene_.tracer().interact(ray, hit);
-        if (scene_.interior(hit.object, at) != &water_ || !(w.dot(at.geometric_normal) > 0.0)) return std::nullopt;
+        Interaction at = scene_.tracer().interact(ray, hit);
+        float open = 0.0f;
+        std::size_t which = 0;
+        if (scene_.interior(hit.object, at, &open, &which) != &water_ || !(w.dot(at.geometric_normal) > 0.0)) return std::nullopt;
+        const std::uint8_t material = at.materials.index[which];
+        at.materials = {};
+        at.materials.add(material, 1.0f);
         const Vec3d inwards = -scene_.appearance(hit.object, at, ray.footprint(at.t)).normal;
         const double cosine = -w.dot(inwards);
         if (!(cosine > 0.0)) return std::nullopt;
@@ -114,7 +119,7 @@ private:
         out.towards = refracted(-w, inwards, 1.0 / water_.ior);
         if (!(out.towards.dot(at.geometric_normal) > 0.0)) return std::nullopt;
         out.distance = at.t;
-        out.passing = 1.0 - fresnel_dielectric(cosine, 1.0 / water_.ior);
+        out.passing = (1.0 - fresnel_dielectric(cosine, 1.0 / water_.ior)) * static_cast<double>(open);  // what foam leaves of the surface
         out.outside = at.position + at.geometric_normal * at.spawn_offset;
         return out;
     }

@@ -48,9 +48,9 @@ void record_first_hit(const Scene& scene, const Vertex& v, double time, std::uin
     out.object = object + 1;
     out.instance = v.at.instance;
     const std::vector<std::uint32_t>& names = scene.objects()[object].materials;
-    for (std::size_t i = 0; i < v.at.materials.count; ++i) {
-        const std::size_t index = v.at.materials.index[i];
-        if (index < names.size()) shares[names[index]] += v.at.materials.weight[i];
+    for (std::size_t i = 0; i < v.seen.count; ++i) {
+        const std::size_t index = v.seen.index[i];
+        if (index < names.size()) shares[names[index]] += v.seen.weight[i];
     }
 }
 
@@ -132,7 +132,7 @@ PixelSample trace_path(const Scene& scene, const PathSettings& settings, const R
             return out;
         }
         Vertex v;
-        if (hit.valid && (!way.scattered || vertices == 0)) v = surface_vertex(scene, path.ray, hit, path.inside);
+        if (hit.valid && (!way.scattered || vertices == 0)) v = surface_vertex(scene, path.ray, hit, path.inside, random);
         if (hit.valid && vertices == 0) record_first_hit(scene, v, time, hit.object, settings.size, shares, out);
         if (way.scattered) v = medium_vertex(path.ray, way.t, path.inside);
         const Scattering how = way.scattered ? Scattering(HenyeyGreenstein(way.asymmetry)) : surface_scattering(v);

@@ -1,5 +1,6 @@
 // The points of a path. A surface's normals are turned to the side the path came from, so that nothing after this asks for sides again but a boundary
-// that light passes. The offset that is proved to lie outside the matter leads, turned round, as far inside: the surface crosses within it.
+// that light passes. What lies on such a boundary in flecks, as foam does, is drawn by its share: an average of a wall and a window is neither. The
+// offset that is proved to lie outside the matter leads, turned round, as far inside: the surface crosses within it.
 #include "renderer/transport/vertex.h"
 
 namespace hoodoo
@@ -20,12 +21,38 @@ BsdfSample sample(const Scattering& scattering, const Vec3d& wo, const std::arra
     return {wi, Vec3f(1.0f), phase.value(wo, wi)};
 }
 
-Vertex surface_vertex(const Scene& scene, const Ray& ray, const TraceHit& hit, const Interior* around)
+namespace
+{
+
+/// Leaves at the vertex what light meets there: the surface of a body, or what lies on it.
+void choose_material(const Scene& scene, std::uint32_t object, Vertex& v, NumberStream& random)
+{
+    float share = 0.0f;
+    std::size_t which = 0;
+    v.seen = v.at.materials;
+    const Interior* body = scene.interior(object, v.at, &share, &which);
+    if (!body || v.seen.count == 1) {
+        v.surface = body;
+        return;
+    }
+    v.at.materials = {};
+    if (random() < static_cast<double>(share)) {
+        v.at.materials.add(v.seen.index[which], 1.0f);
+        v.surface = body;
+        return;
+    }
+    for (std::size_t i = 0; i < v.seen.count; ++i)
+        if (i != which) v.at.materials.add(v.seen.index[i], v.seen.weight[i]);
+}
+
+}  // namespace
+
+Vertex surface_vertex(const Scene& scene, const Ray& ray, const TraceHit& hit, const Interior* around, NumberStream& random)
 {
     Vertex v;
     v.at = scene.tracer().interact(ray, hit);
     v.wo = -ray.direction;
-    v.surface = scene.interior(hit.object, v.at);
+    choose_material(scene, hit.object, v, random);
     v.around = around;
     if (v.at.geometric_normal.dot(v.wo) < 0.0) {  // from within, or the back of an open mesh, lit like its front
         v.at.geometric_normal = -v.at.geometric_normal;

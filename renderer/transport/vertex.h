@@ -2,6 +2,7 @@
 #pragma once
 
 #include "renderer/media/phase.h"
+#include "renderer/media/stream.h"
 #include "renderer/scene/scene.h"
 #include "renderer/shading/bsdf.h"
 
@@ -13,7 +14,8 @@ namespace hoodoo
 
 /// A point of a path, ready to scatter. The members from `at` to `surface` are those of a surface and have no meaning within a medium.
 struct Vertex {
-    Interaction at;  ///< both normals on the side of `wo`
+    Interaction at;        ///< both normals on the side of `wo`; the materials that scatter here
+    MaterialWeights seen;  ///< all that are seen
     Appearance look;
     bool from_inside = false;           ///< the path came from within the matter, or from behind an open mesh
     const Interior* surface = nullptr;  ///< what lies within the matter, if light passes its surface
@@ -35,8 +37,9 @@ using Scattering = std::variant<Bsdf, HenyeyGreenstein>;
 BsdfValue evaluate(const Scattering& scattering, const Vec3d& wo, const Vec3d& wi);
 BsdfSample sample(const Scattering& scattering, const Vec3d& wo, const std::array<double, 3>& u);
 
-/// Where `ray`, which came through `around`, meets a surface.
-Vertex surface_vertex(const Scene& scene, const Ray& ray, const TraceHit& hit, const Interior* around);
+/// Where `ray`, which came through `around`, meets a surface. Where foam covers a part of a water's surface, light meets one or the other, drawn from
+/// `random` by their shares.
+Vertex surface_vertex(const Scene& scene, const Ray& ray, const TraceHit& hit, const Interior* around, NumberStream& random);
 Scattering surface_scattering(const Vertex& v);
 
 /// A place within a medium, `t` metres along the ray.
