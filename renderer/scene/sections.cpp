@@ -84,7 +84,7 @@ const Schema& render_schema()
              .maximum = static_cast<double>(max_samples)},
             {.name = "max_depth",
              .type = T::integer,
-             .doc = "Scattering events of a path; 0 = unlimited (roulette alone ends it).",
+             .doc = "Scattering events of a path at surfaces; 0 = unlimited. Those in haze, foam and water are ended by roulette alone.",
              .fallback = std::int64_t{8},
              .minimum = 0,
              .maximum = 1 << 20},
