@@ -5,8 +5,9 @@
 // bits as in the neighbour's: that is how they are recognised and joined without a seam. A quadrilateral belongs to the tile its centre lies in.
 // Every vertex is then moved along the field's gradient onto the root itself (Illinois steps within a bracket, Dowell1971), in double precision; the
 // polygoniser's own points are only as good as the linear interpolation of samples. Quadrilaterals are cut along their shorter diagonal.
-// The error is measured, not estimated: from four places of each triangle along the gradient to the field's root, an upper bound of the distance.
-// Missing: sheets thinner than the lattice (their samples do not show them); adaptive triangles.
+// The error is measured, not estimated: from four places of each triangle the way to a root, an upper bound of the distance: along the gradient;
+// where that meets none within two cells, along the triangle's normal; else to the nearest of its corners, if that lies on the surface; else ever
+// further. Missing: sheets thinner than the lattice (their samples do not show them); adaptive triangles.
 #include "terrain/io/polygonise.h"
 
 #include "terrain/error.h"
@@ -112,7 +113,7 @@ public:
             // Only the upper edge of a row of tiles will be met again.
             std::erase_if(border_, [&](const auto& entry) { return std::bit_cast<float>(entry.first.bits[1]) < y + t - shared; });
         }
-        if (report_.area > 0.0) report_.mean_error /= report_.area;
+        if (measured_area_ > 0.0) report_.mean_error /= measured_area_;
         return report_;
     }
 
@@ -124,6 +125,7 @@ private:
     struct Placed {
         std::uint32_t index;
         Vec3d position;
+        bool on_surface = false;
     };
     using Places = std::unordered_map<Key, std::int64_t, KeyHash>;
 
@@ -250,6 +252,7 @@ private:
             for (std::size_t n = 256 * chunk; n < std::min(fresh.size(), 256 * chunk + 256); ++n) {
                 Vec3d& p = all[fresh[n].first].position;
                 failed[n] = !place(p, part.normals[n]);
+                all[fresh[n].first].on_surface = !failed[n];
                 part.vertices[n] = p;
             }
         });
@@ -297,35 +300,60 @@ private:
         }
     }
 
+    /// Length of a way from p, a place on the triangle, to the field's zero; infinite if none was found.
+    double way_to_surface(const Vec3d& p, const std::array<const Placed*, 3>& corners) const
+    {
+        const double value = field_.value(p);
+        const auto along = [&](Vec3d direction, double slope, double reach) {
+            if (!(direction.length() > 0.0)) return kInfinity;
+            const auto found = root_along(field_, p, direction.normalized(), value, slope, reach);
+            return found ? std::abs(*found) : kInfinity;
+        };
+        const Vec3d gradient = field_.gradient(p);
+        const Vec3d normal = (corners[1]->position - corners[0]->position).cross(corners[2]->position - corners[0]->position);
+        double way = along(gradient, gradient.length(), 2.0 * h_);
+        if (way == kInfinity) way = along(normal, kInfinity, 2.0 * h_);
+        if (way < kInfinity) return way;
+        for (const Placed* corner : corners)
+            if (corner->on_surface) way = std::min(way, (p - corner->position).length());
+        const double most = options_.region.size().length();
+        for (double reach = 4.0 * h_; way == kInfinity && reach < 2.0 * most; reach *= 2.0)
+            way = std::min(along(gradient, gradient.length(), reach), along(normal, kInfinity, reach));
+        return way;
+    }
+
     void measure(const std::vector<Placed>& all, const std::vector<std::array<std::uint32_t, 4>>& quads, const MeshPart& part)
     {
-        std::unordered_map<std::uint32_t, const Vec3d*> position;
+        std::unordered_map<std::uint32_t, const Placed*> known;
         for (const auto& quad : quads)
-            for (const std::uint32_t corner : quad) position.emplace(all[corner].index, &all[corner].position);
+            for (const std::uint32_t corner : quad) known.emplace(all[corner].index, &all[corner]);
         struct Measured {
             double area, mean, maximum;
-            bool far;
         };
         std::vector<Measured> measured(part.triangles.size());
         parallel_items((measured.size() + 255) / 256, [&](std::size_t chunk) {
             for (std::size_t n = 256 * chunk; n < std::min(measured.size(), 256 * chunk + 256); ++n) {
                 const auto& t = part.triangles[n];
-                const Vec3d &a = *position.at(t[0]), &b = *position.at(t[1]), &c = *position.at(t[2]);
-                Measured m{0.5 * (b - a).cross(c - a).length(), 0.0, 0.0, false};
+                const std::array<const Placed*, 3> corners{known.at(t[0]), known.at(t[1]), known.at(t[2])};
+                const Vec3d &a = corners[0]->position, &b = corners[1]->position, &c = corners[2]->position;
+                Measured m{0.5 * (b - a).cross(c - a).length(), 0.0, 0.0};
                 for (const Vec3d& p : {(a + b + c) / 3.0, (a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5}) {
-                    const double d = distance_along_gradient(field_, p, 2.0 * h_);
-                    m.mean += 0.25 * d;
-                    m.maximum = std::max(m.maximum, d);
-                    m.far = m.far || d >= 2.0 * h_;
+                    const double way = way_to_surface(p, corners);
+                    m.mean += 0.25 * way;
+                    m.maximum = std::max(m.maximum, way);
                 }
                 measured[n] = m;
             }
         });
         for (const Measured& m : measured) {
             report_.area += m.area;
+            if (m.maximum == kInfinity) {
+                ++report_.far_triangles;
+                continue;
+            }
             report_.mean_error += m.area * m.mean;
+            measured_area_ += m.area;
             report_.maximum_error = std::max(report_.maximum_error, m.maximum);
-            report_.far_triangles += m.far;
         }
         report_.triangles += part.triangles.size();
     }
@@ -336,6 +364,7 @@ private:
     std::array<int, 3> size_{};
     std::unordered_map<Key, Placed, KeyHash> border_;
     PolygoniseReport report_;
+    double measured_area_ = 0.0;
 };
 
 }  // namespace

@@ -27,11 +27,11 @@ struct MeshPart {
 
 struct PolygoniseReport {
     std::uint64_t vertices = 0, triangles = 0;
-    std::uint64_t unrefined = 0;  ///< vertices without a root within a lattice cell: they stay where the samples put them
-    double area = 0.0;            ///< m2
-    double mean_error = 0.0;      ///< metres: distance along the gradient from centroids and edge midpoints of triangles to the field's zero, by area
-    double maximum_error = 0.0;   ///< metres; where no zero lies within two lattice cells it counts as those two
-    std::uint64_t far_triangles = 0;  ///< triangles with such a place
+    std::uint64_t unrefined = 0;      ///< vertices without a root within a lattice cell: they stay where the samples put them
+    double area = 0.0;                ///< m2
+    double mean_error = 0.0;          ///< metres: distance from centroids and edge midpoints of triangles to the field's zero, by area
+    double maximum_error = 0.0;       ///< metres: the greatest of them; each is the length of a way to a zero, so no distance is longer
+    std::uint64_t far_triangles = 0;  ///< triangles with a place from which no zero was found, however far; they count in none of the above
 };
 
 /// How far the field's zero lies from `p` along its gradient there, metres: an upper bound of the distance. `reach` if there is none so near.

@@ -4,7 +4,8 @@
 // central differences stand in. Materials, uv and texture point are the base's own at the undeformed point, so strata and image maps follow the flow
 // (3.2). Warps stack: the base may be `warped` itself. The intensity may change while the shutter is open: a ray carries its time, and the patches
 // enclose all of it. Deviations: the paper's search is the option mode = "paper"; its bases are planes and height fields, here anything with a field,
-// in which the surface ends where its base ends. Missing: level of detail (a base and flows have what detail they have); meshes as bases.
+// in which the surface ends where its base ends. Rocks on the base are moved, not bent. Missing: rocks that turn with the flow, or move while the
+// shutter is open; level of detail (a base and flows have what detail they have); meshes as bases.
 #include "terrain/error.h"
 #include "terrain/field.h"
 #include "terrain/fields/warped_field.h"
@@ -57,6 +58,15 @@ public:
     }
     void set_build_seconds(double seconds) { build_seconds_ = seconds; }
 
+    /// The rocks that lie on the base go with it, each as a whole, to where the middle of its cell is carried when the shutter opens.
+    void carry_rocks()
+    {
+        const Instances* lying = base_->instances();
+        if (!lying) return;
+        rocks_ = *lying;
+        for (Instance& rock : rocks_.instances) rock.position = field_.warp().forward(rock.position, open_);
+    }
+
     /// Where the warped surface can be.
     Box3d domain() const
     {
@@ -104,6 +114,7 @@ public:
     std::vector<std::string> materials() const override { return base_->materials(); }
     bool closed() const override { return base_->closed(); }
     const Field* field() const override { return &field_; }
+    const Instances* instances() const override { return rocks_.instances.empty() ? nullptr : &rocks_; }
 
     SurfaceInfo info() const override
     {
@@ -166,6 +177,7 @@ private:
     Box3d ground_;
     double flat_ = 0.0, accuracy_ = 0.0, size_ = 1.0;
     std::unique_ptr<const FieldIntersector> patches_;
+    Instances rocks_;
     double build_seconds_ = 0.0;
 };
 
@@ -206,6 +218,7 @@ Shape make_warped(const Values& values, const BuildContext& context)
     settings.epsilon_distance = values.number("epsilon_distance");
     if (context.progress) context.progress(0.3, "patches");
     surface->make_patches(settings);
+    surface->carry_rocks();
     surface->set_build_seconds(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     return surface;
 }

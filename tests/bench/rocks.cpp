@@ -1,6 +1,7 @@
 // Beds of 10^3 to 10^6 rocks that fill the same picture, traced three ways: by the product (one user geometry, a primitive an instance, transforms in
 // double precision), by Embree's own instances (one geometry object each), and, as the unit of time, the product with a thousand rocks.
 //
+// Detail goes by distance, as in scenes, or is full.
 // Memory is the growth of the process while the structure is built, meshes included. Shape: axes a >= b >= c are caliper extents; the sphericity is
 // Wadell's, surface of the ball of equal volume over surface. Beside them stand those of broken rock: fragments of basalt and boulders of 0.1 to 150
 // m scatter around b/a = 0.7 and c/a = 0.5, a : b : c = 2 : sqrt 2 : 1 (Michikami2016, 12,700 fragments; Michikami2010, boulders). Sphericities of
@@ -12,14 +13,19 @@
 
 #include "renderer/geometry/instance.h"
 #include "renderer/geometry/tracer.h"
+#include "renderer/scene/read.h"
+#include "renderer/scene/terrain.h"
 #include "terrain/math/hash.h"
-#include "terrain/rocks/placement.h"
+#include "terrain/rocks/rock_mesh.h"
+#include "terrain/rocks/stack_rocks.h"
+#include "terrain/surfaces/rock_source.h"
 #include "tests/bench/report.h"
 
 #include <embree3/rtcore.h>
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <cstdio>
 #include <fstream>
 #include <map>
@@ -30,6 +36,8 @@ namespace hoodoo::bench
 {
 namespace
 {
+
+constexpr int kWidth = 512;  // of the pictures, pixels
 
 double seconds_since(std::chrono::steady_clock::time_point start)
 {
@@ -160,15 +168,18 @@ struct Measured {
     nlohmann::json facts;
 };
 
-Measured build(std::size_t wanted)
+Measured build(std::size_t wanted, bool by_distance)
 {
     // 0.905 m3 a rock and about 1.9 m of depth that is seen.
     const double side = std::sqrt(static_cast<double>(wanted) * 0.905 / 1.86);
     RockOptions options;
     options.size = 1.2;
     options.level = 1;
+    // Far away and up: the pictures' pixels are as wide everywhere.
+    if (by_distance) options.view = RockView{Vec3d(0.0, 0.0, 1e6), 0.8 * side / kWidth / 1e6};
     const Bed bed({side, side, 4.0});
     Measured m;
+    m.facts["detail"] = by_distance ? "by_distance" : "full";
     auto start = std::chrono::steady_clock::now();
     Instances rocks = place_rocks(options, bed, Vec3d(0.0));
     m.facts["placement_seconds"] = seconds_since(start);
@@ -183,14 +194,16 @@ Measured build(std::size_t wanted)
     m.tracer = make_embree_tracer(*m.shapes);
     m.facts["user_geometry_seconds"] = seconds_since(start);
     m.facts["user_geometry_megabytes"] = resident_megabytes() - before;
-    before = resident_megabytes();
-    start = std::chrono::steady_clock::now();
-    m.own = std::make_unique<EmbreeOwn>(std::get<Instances>((*m.shapes)[0]));
-    m.facts["embree_instances_seconds"] = seconds_since(start);
-    m.facts["embree_instances_megabytes"] = resident_megabytes() - before;
-    m.rays["steep"] = rays_onto(bed.bounds().max, 512, 0.8, false);
-    m.rays["grazing"] = rays_onto(bed.bounds().max, 512, 0.2, false);
-    m.rays["random_order"] = rays_onto(bed.bounds().max, 512, 0.8, true);
+    if (!by_distance) {
+        before = resident_megabytes();
+        start = std::chrono::steady_clock::now();
+        m.own = std::make_unique<EmbreeOwn>(std::get<Instances>((*m.shapes)[0]));
+        m.facts["embree_instances_seconds"] = seconds_since(start);
+        m.facts["embree_instances_megabytes"] = resident_megabytes() - before;
+    }
+    m.rays["steep"] = rays_onto(bed.bounds().max, kWidth, 0.8, false);
+    m.rays["grazing"] = rays_onto(bed.bounds().max, kWidth, 0.2, false);
+    m.rays["random_order"] = rays_onto(bed.bounds().max, kWidth, 0.8, true);
     return m;
 }
 
@@ -271,12 +284,45 @@ nlohmann::json shape_statistics(bool full)
     return out;
 }
 
+std::string group_of(const std::string& set, const Measured& m)
+{
+    return set + "/" + std::to_string(m.rocks) + "/" + m.facts["detail"].get<std::string>();
+}
+
+/// The rubble of scenes/canyon.toml, placed again and again: the quickest, and the processor time of all threads.
+nlohmann::json instancing()
+{
+    const Description description = read_scene(HOODOO_SOURCE_DIR "/scenes/canyon.toml", false);
+    const DescribedNode& node = choose_terrain(description, {});
+    const BuildContext context = terrain_context(node, description, 0, {});
+    const auto stack = terrain_row(node).stack(node.values, context);
+    RockOptions options = rock_options(node.values, context, stack->cell());
+    options.level = kRockLevels - 1;  // meshes do not count here
+    double wall = 1e9, processor = 1e9;
+    std::size_t rocks = 0;
+    for (int k = 0; k < 40; ++k) {
+        auto start = std::chrono::steady_clock::now();
+        auto clock = std::clock();
+        const auto volume = std::make_shared<StackRocks>(stack, Border::extend);
+        double seconds = seconds_since(start), spent = static_cast<double>(std::clock() - clock);
+        RockPlacement placement(options, volume, stack->origin());
+        start = std::chrono::steady_clock::now();
+        clock = std::clock();
+        rocks = placement.place().instances.size();
+        seconds += seconds_since(start), spent += static_cast<double>(std::clock() - clock);
+        wall = std::min(wall, seconds), processor = std::min(processor, spent / CLOCKS_PER_SEC);
+    }
+    std::printf("%zu rocks of a canyon placed in %.1f ms (%.1f ms of the processor)\n", rocks, 1e3 * wall, 1e3 * processor);
+    return {{"rocks", rocks}, {"milliseconds", 1e3 * wall}, {"processor_milliseconds", 1e3 * processor}};
+}
+
 }  // namespace
 
 nlohmann::json rocks_benchmark(bool full)
 {
     nlohmann::json report;
     report["shape"] = shape_statistics(full);
+    report["instancing"] = instancing();
     {
         RockOptions options;
         options.per_tile = 70;
@@ -287,15 +333,16 @@ nlohmann::json rocks_benchmark(bool full)
     }
     std::vector<Measured> sizes;
     for (const std::size_t wanted : full ? std::vector<std::size_t>{1000, 10000, 100000, 1000000} : std::vector<std::size_t>{1000, 10000})
-        sizes.push_back(build(wanted));
+        for (const bool by_distance : {true, false}) sizes.push_back(build(wanted, by_distance));
     std::vector<Task> tasks;
     for (const Measured& m : sizes) {
         for (const auto& [set, all] : m.rays) {
             const std::vector<Ray>& rays = all;
-            const std::string group = set + "/" + std::to_string(m.rocks);
+            const std::string group = group_of(set, m);
             tasks.push_back({group, "user_geometry", rays.size(), [&m, &rays] {
                                  for (const Ray& ray : rays) benchmark_keep(m.tracer->intersect(ray).t);
                              }});
+            if (!m.own) continue;
             tasks.push_back({group, "embree_instances", rays.size(), [&m, &rays] {
                                  for (const Ray& ray : rays) benchmark_keep(m.own->intersect(ray));
                              }});
@@ -303,10 +350,12 @@ nlohmann::json rocks_benchmark(bool full)
     }
     const auto rates = measure(tasks);
     for (Measured& m : sizes) {
+        const auto smallest = std::find_if(sizes.begin(), sizes.end(), [&](const Measured& s) { return s.facts["detail"] == m.facts["detail"]; });
         for (const auto& [set, rays] : m.rays) {
             for (const char* method : {"user_geometry", "embree_instances"}) {
-                const auto rate = [&, name = set](std::size_t rocks) { return rates.at(name + "/" + std::to_string(rocks) + "/" + method); };
-                m.facts[set][method] = {{"rays_per_second", rate(m.rocks)}, {"time_over_smallest", rate(sizes.front().rocks) / rate(m.rocks)}};
+                if (!m.own && method == std::string("embree_instances")) continue;
+                const double rate = rates.at(group_of(set, m) + "/" + method), first = rates.at(group_of(set, *smallest) + "/" + method);
+                m.facts[set][method] = {{"rays_per_second", rate}, {"time_over_smallest", first / rate}};
             }
         }
         std::printf("%8zu rocks %s\n", m.rocks, m.facts.dump().c_str());

@@ -198,6 +198,35 @@ TEST(Polygonise, a_mesh_with_one_triangle_turned_or_missing_is_seen_to_be_open)
     EXPECT_EQ(open_edges(mesh), 3u);
 }
 
+/// A ball of radius 2 that tells nothing beyond 0.02 of its surface: there its gradient is 0.
+class ClampedBall final : public Field
+{
+public:
+    double value(const Vec3d& p) const override { return std::clamp(p.length() - 2.0, -0.02, 0.02); }
+    Vec3d gradient(const Vec3d& p) const override { return std::abs(p.length() - 2.0) < 0.02 ? p.normalized() : Vec3d(0.0); }
+    double slope_bound(const Segment&) const override { return 1.0; }
+    Interval range(const Box3d&) const override { return {-0.02, 0.02}; }
+    Box3d bounds() const override { return {Vec3d(-2.0), Vec3d(2.0)}; }
+};
+
+TEST(Polygonise, the_greatest_error_is_no_less_than_the_true_one_and_has_no_cap)
+{
+    // h = 1: middles of edges of length e lie R - sqrt(R^2 - e^2 / 4) under the ball, about 0.2: where the field tells nothing. Ways along the
+    // gradient would not be found there.
+    const Whole mesh = all_of(ClampedBall(), {1.0, Box3d(Vec3d(-3.5), Vec3d(3.5)), 16});
+    double true_error = 0.0;
+    for (const auto& t : mesh.triangles) {
+        const Vec3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+        for (const Vec3d& p : {(a + b + c) / 3.0, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)})
+            true_error = std::max(true_error, std::abs(p.length() - 2.0));
+    }
+    EXPECT_GT(true_error, 0.02);
+    EXPECT_GE(mesh.report.maximum_error, true_error * (1.0 - 1e-6));
+    EXPECT_LT(mesh.report.maximum_error, 1.2 * true_error);
+    EXPECT_LT(mesh.report.mean_error, mesh.report.maximum_error);
+    EXPECT_EQ(mesh.report.far_triangles, 0u);
+}
+
 TEST(Polygonise, has_the_same_bits_for_any_number_of_threads)
 {
     const auto stack = testing::random_stack(9, {30, 30}, 1.0, 0.1, 150);
