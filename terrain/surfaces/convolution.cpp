@@ -75,7 +75,7 @@ public:
             for (const std::uint32_t tile : body.patches->rebuild(changed)) tiles.push_back(body.first_tile + tile);
         }
         if (lying_) rebuilt.rocks = lying_->follow(changed);
-        if (!water_) return rebuilt;
+        if (!water_ || !(has_water() || holds(changed, Material::water))) return rebuilt;
         // Water levels reach far: its boxes are made anew, all of them.
         const auto before = std::move(water_);
         water_ = std::make_unique<WaterPatches>(*bodies_.front().field);
@@ -226,6 +226,22 @@ public:
     }
 
 private:
+    bool has_water() const
+    {
+        for (std::uint32_t tile = 0; tile < water_->tile_count(); ++tile)
+            if (water_->patch_count(tile) > 0) return true;
+        return false;
+    }
+
+    bool holds(const ColumnSet& columns, Material material) const
+    {
+        return std::any_of(columns.indices().begin(), columns.indices().end(), [&](std::uint32_t index) {
+            const Vec2i c = columns.column(index);
+            const auto words = stack_->words(c.x, c.y);
+            return std::any_of(words.begin(), words.end(), [&](std::uint16_t word) { return MaterialStack::material_of(word) == material; });
+        });
+    }
+
     bool is_water(std::uint32_t tile) const { return water_ && tile >= first_water_tile_; }
 
     Interaction on_water(const Ray& ray, const Hit& hit) const

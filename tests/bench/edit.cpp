@@ -142,7 +142,7 @@ nlohmann::json measure(Vec2i size, int strokes)
 nlohmann::json measure_cave(bool full, int strokes)
 {
     SceneOverrides coarse;
-    if (!full) coarse.params.emplace_back("cell", "1.0");
+    if (!full) coarse.params.emplace_back("cell", "0.5");
     const Description description = read_scene(HOODOO_SOURCE_DIR "/scenes/cave.toml", false, coarse);
     const DescribedNode& node = choose_terrain(description, {});
     BuildContext context = terrain_context(node, description, 0, {});
@@ -156,7 +156,7 @@ nlohmann::json measure_cave(bool full, int strokes)
     const double build_tracer = clock.lap();
 
     const Box3d room = surface.room();
-    const double cell = room.size().x / 1000.0 * (full ? 1.0 : 4.0);
+    const double cell = room.size().x / 1000.0 * (full ? 1.0 : 2.0);
     std::map<std::string, std::vector<double>> parts;
     std::size_t columns = 0, tiles = 0, moved = 0;
     for (int k = 0; k < strokes; ++k) {
