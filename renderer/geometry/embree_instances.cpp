@@ -3,8 +3,10 @@
 // Embree's own instances would do the same with the same one level (Debian builds it with no more), but each is a geometry object of its own, and
 // its ray is transformed in single precision around the scene's origin. Measured (bench rocks, 10^6 rocks of 2880 triangles): 74 MB and 1.1 s against
 // 374 MB and 1.6 s; 1.1 against 1.3 million camera rays a second on one thread, 0.44 against 0.50 in random order; among 10^3 rocks 1.7 against 2.5.
-// Memory decides, and one way for all numbers. The callback transforms the caller's ray in double precision, advances it to the mesh before it is
-// rounded, and so keeps the precision of the mesh's own size at any distance from the origin.
+// Memory decides, and one way for all numbers. Rays in random order onto 10^6 rocks that fill the picture take 2.5 times as long as onto 10^3, with
+// rocks as coarse as their distance allows; 2.9 times with 2880 triangles each: what is left are boxes that no cache holds. The callback transforms
+// the caller's ray in double precision, advances it to the mesh before it is rounded, and so keeps the precision of the mesh's own size at any
+// distance from the origin.
 
 #include "renderer/geometry/embree_instances.h"
 
