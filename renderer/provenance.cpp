@@ -5,6 +5,7 @@
 #include "renderer/provenance.h"
 
 #include "renderer/build_info.h"
+#include "terrain/io/georeference.h"
 #include "terrain/isa.h"
 
 #include <fmt/chrono.h>
@@ -68,6 +69,24 @@ void add_colors(const ColorConfig& color, std::map<std::string, Attribute>& fact
     }
 }
 
+/// Where on the earth terrains lie: hoodoo:crs, and hoodoo:worldToMap (from the world's x and y). Those that differ from the first have their name
+/// behind the key.
+void add_places(const Scene& scene, std::map<std::string, Attribute>& facts)
+{
+    GeoReference first;
+    for (std::size_t k = 0; k < scene.shapes().size(); ++k) {
+        const auto* surface = std::get_if<std::unique_ptr<Surface>>(&scene.shapes()[k]);
+        const auto* placed = surface ? dynamic_cast<const Georeferenced*>(surface->get()) : nullptr;
+        if (!placed || !placed->world_to_earth().known()) continue;
+        const GeoReference place = placed->world_to_earth();
+        if (first.known() && place.system == first.system && place.map == first.map) continue;
+        const std::string behind = first.known() ? ":" + scene.objects()[k].name : "";
+        if (!first.known()) first = place;
+        facts["hoodoo:crs" + behind] = place.system;
+        facts["hoodoo:worldToMap" + behind] = place.map_text();
+    }
+}
+
 }  // namespace
 
 std::map<std::string, Attribute> provenance(const LoadedScene& loaded, const RenderOptions& options, const Film& film, std::uint64_t seed,
@@ -99,6 +118,7 @@ std::map<std::string, Attribute> provenance(const LoadedScene& loaded, const Ren
     facts["hoodoo:maxDepth"] = static_cast<int>(scene.render.integer("max_depth"));
     facts["hoodoo:filter"] = scene.film.text("filter");
     facts["hoodoo:variance"] = variance_kind(layout);
+    add_places(*loaded.scene, facts);
     facts["hoodoo:objects"] = object_names(*loaded.scene);
     facts["hoodoo:droppedSamples"] = fmt::format("{}", film.dropped_samples());
     if (const Vec2i pixel = film.first_dropped_pixel(); pixel.x >= 0) facts["hoodoo:firstDroppedPixel"] = fmt::format("{},{}", pixel.x, pixel.y);

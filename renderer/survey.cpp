@@ -89,6 +89,13 @@ SurveyedTerrain survey(const LoadedScene& loaded, const std::string& name)
     return terrain;
 }
 
+/// Of pixels whose outer corner of row 0 lies at `corner` (north-west), `step` metres wide and high. Unknown where the terrain's is.
+static GeoReference place_of(const SurveyedTerrain& terrain, const Vec2d& corner, const Vec2d& step)
+{
+    const auto* placed = dynamic_cast<const Georeferenced*>(terrain.surface);
+    return placed ? placed->world_to_earth().of_pixels(corner.x, corner.y, step.x, -step.y) : GeoReference{};
+}
+
 SampledGrid sample_field(const SurveyedTerrain& terrain, const Box3d& box, const std::array<int, 3>& count)
 {
     const std::vector<const Field*> fields = terrain.fields();
@@ -99,6 +106,7 @@ SampledGrid sample_field(const SurveyedTerrain& terrain, const Box3d& box, const
         grid.step[k] = n > 1 ? (box.max[k] - box.min[k]) / (n - 1) : box.max[k] - box.min[k];
         grid.origin[k] = n > 1 ? box.min[k] : 0.5 * (box.min[k] + box.max[k]);
     }
+    grid.place = place_of(terrain, {grid.origin.x - 0.5 * grid.step.x, grid.origin.y + (count[1] - 0.5) * grid.step.y}, {grid.step.x, grid.step.y});
     const auto slice = static_cast<std::size_t>(count[1]) * static_cast<std::size_t>(count[2]);
     grid.values.resize(static_cast<std::size_t>(count[0]) * slice);
     parallel_items(static_cast<std::size_t>(count[0]), [&](std::size_t i) {
@@ -123,6 +131,7 @@ HeightImage heights_from_above(const SurveyedTerrain& terrain, const Imath::Box2
     image.width = static_cast<int>(columns);
     image.height = static_cast<int>(rows);
     image.cell = cell;
+    image.place = place_of(terrain, {area.min.x, area.min.y + rows * cell}, Vec2d(cell));
     image.values.assign(static_cast<std::size_t>(columns * rows), std::numeric_limits<float>::quiet_NaN());
     // A tracer of its own: what else the scene shows is not in the way.
     const std::unique_ptr<Tracer> tracer = make_embree_tracer(std::span(terrain.shape, 1));

@@ -36,7 +36,7 @@ MAY_INCLUDE = {
                                           "renderer/film"},
     "renderer/render": TERRAIN_PUBLIC | {"renderer/scene", "renderer/geometry", "renderer/light", "renderer/media", "renderer/shading",
                                          "renderer/transport", "renderer/film", "renderer/compare", "terrain/io/polygonise.h", "terrain/io/mesh_writer.h", "terrain/io/grid_file.h", "terrain/io/drawing.h",
-                                         "terrain/io/height_image.h", "terrain/stack/column_set.h"},
+                                         "terrain/io/height_image.h", "terrain/io/georeference.h", "terrain/stack/column_set.h"},
 }
 
 

@@ -132,13 +132,15 @@ void add_dem_options(CLI::App& command, Arguments& a)
     command.add_option("--resample", o.resample_to, "Metres between the cells written; without it the smaller of the two spacings")
         ->transform(in_metres)
         ->check(CLI::PositiveNumber);
+    command.add_option("--fill", o.fill, "Height for samples without data, in files that GDAL reads; without it they are an error")
+        ->transform(in_metres);
     command.add_flag("-q,--quiet", a.import.quiet, "Say nothing but errors");
 }
 
 void add_import_dem(CLI::App& app, Arguments& a)
 {
     CLI::App* command = app.add_subcommand("import-dem", "Turn an elevation model into a height image in metres with square cells");
-    command->add_option("input", a.import.input, "NumPy archive (.npz) or any image")->required();
+    command->add_option("input", a.import.input, "NumPy archive (.npz), GeoTIFF and the like (in a build with GDAL), or any image")->required();
     command->add_option("-o,--output", a.import.output, "Height image to write (.exr)")->required()->check(file_name("a height image", ".exr"));
     add_dem_options(*command, a);
 }

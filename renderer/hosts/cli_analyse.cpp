@@ -22,7 +22,7 @@ int run_analyse(const ImportArguments& arguments)
     const std::vector<Curvature> bends = curvatures(elevation);
     const Drainage water = drainage(elevation);
 
-    Raster raster{heights.width, heights.height, heights.cell, {}, {}};
+    Raster raster{heights.width, heights.height, heights.cell, {}, {}, heights.place};
     const auto add = [&](const char* name, const std::vector<double>& values) {
         raster.names.emplace_back(name);
         raster.channels.emplace_back(values.begin(), values.end());

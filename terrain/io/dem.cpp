@@ -1,11 +1,12 @@
 // Elevation models in degrees become square cells in metres: the step along a parallel shrinks with the cosine of the latitude.
 // Snyder1987, equations 4-18 to 4-20: with e^2 = f(2 - f), a degree of the meridian is pi/180 a(1 - e^2)/(1 - e^2 sin^2 phi)^1.5,
 // one of the parallel pi/180 a cos(phi)/(1 - e^2 sin^2 phi)^0.5; a = 6378137 m, f = 1/298.257223563.
-// Deviation: one latitude for the whole model (its middle): over 0.3 degrees the width errs by 0.2 % at the edges. Missing: projections, GeoTIFF's
-// keys.
+// Deviation: one latitude for the whole model (its middle): over 0.3 degrees the width errs by 0.2 % at the edges. GeoTIFFs and their
+// like come through GDAL (gdal_heights.cpp). Missing: reprojection.
 #include "terrain/io/dem.h"
 
 #include "terrain/error.h"
+#include "terrain/io/gdal_heights.h"
 #include "terrain/io/npz.h"
 
 #include <fmt/format.h>
@@ -29,6 +30,7 @@ namespace
 struct RawHeights {
     HeightImage image;
     double degrees_x = 0.0, degrees_y = 0.0, latitude = 91.0;  ///< what the file itself says
+    double cell_x = 0.0, cell_y = 0.0;                         ///< metres
 };
 
 std::optional<double> scalar(const NpzFile& file, const std::string& name)
@@ -74,6 +76,16 @@ RawHeights read_archive(const std::string& path, const std::string& wanted)
     return source;
 }
 
+/// An archive; what GDAL knows, in a build with it; else an image.
+RawHeights read_raw(const std::string& path, const DemOptions& options)
+{
+    if (path.ends_with(".npz")) return read_archive(path, options.array);
+    std::optional<GdalHeights> measured = read_gdal_heights(path, options.fill);
+    if (!measured) return RawHeights{read_height_image(path)};
+    RawHeights source{std::move(measured->image), measured->degrees_x, measured->degrees_y, measured->latitude, measured->cell_x, measured->cell_y};
+    return source;
+}
+
 HeightImage cropped(const std::string& path, const HeightImage& image, const DemOptions& options)
 {
     std::array<int, 4> s = options.subset;
@@ -82,7 +94,12 @@ HeightImage cropped(const std::string& path, const HeightImage& image, const Dem
         refuse(path, "subset of the height map", fmt::format("x0,x1,y0,y1 inside {} x {}", image.width, image.height),
                fmt::format("{},{},{},{}", s[0], s[1], s[2], s[3]));
     }
-    HeightImage result{s[1] - s[0], s[3] - s[2], image.cell, {}};
+    HeightImage result{s[1] - s[0], s[3] - s[2], image.cell, {}, {}};
+    // Turned over, row r of the result is the source's row height - 1 - r.
+    if (options.flip)
+        result.place = image.place.of_pixels(s[0], image.height - s[2], 1.0, -1.0);
+    else
+        result.place = image.place.of_pixels(s[0], s[2], 1.0, 1.0);
     result.values.reserve(static_cast<std::size_t>(result.width) * static_cast<std::size_t>(result.height));
     for (int row = s[2]; row < s[3]; ++row) {
         for (int column = s[0]; column < s[1]; ++column) {
@@ -103,7 +120,7 @@ std::array<double, 2> metres_in_a_degree(double latitude)
 
 HeightImage import_dem(const std::string& path, const DemOptions& options)
 {
-    RawHeights source = path.ends_with(".npz") ? read_archive(path, options.array) : RawHeights{read_height_image(path)};
+    RawHeights source = read_raw(path, options);
     HeightImage image = cropped(path, source.image, options);
 
     // Metres a pixel: as told, else from degrees, else what the image says of itself.
@@ -118,6 +135,7 @@ HeightImage import_dem(const std::string& path, const DemOptions& options)
         x = degrees_x * along;
         y = degrees_y * up;
     }
+    if (!(x > 0.0) && source.cell_x > 0.0) x = source.cell_x, y = source.cell_y;
     if (!(x > 0.0)) x = y = source.image.cell;
     if (!(x > 0.0 && y > 0.0)) refuse(path, "the size of a pixel is not known", "a cell size in metres, or degrees and a latitude");
 

@@ -4,6 +4,7 @@
 #include "terrain/io/height_image.h"
 
 #include <array>
+#include <optional>
 #include <string>
 
 namespace hoodoo
@@ -18,9 +19,10 @@ struct DemOptions {
     double degrees_x = 0.0, degrees_y = 0.0;  ///< degrees between source pixels; 0: an archive's scalars dx and dy
     double latitude = 91.0;                   ///< degrees, of the middle; above 90: from an archive's scalars ymin and ymax
     double resample_to = 0.0;                 ///< metres; 0: the smaller of the two cell sizes if they differ, else none
+    std::optional<double> fill;               ///< height for samples that were not measured; without: an error
 };
 
-/// Throws Error (file) with what is missing. The result's cell is set.
+/// Throws Error (file) with what is missing. The result's cell is set, and its place where the file says it.
 HeightImage import_dem(const std::string& path, const DemOptions& options);
 
 /// Metres in one degree along the parallel (x) and the meridian (y) at a latitude in degrees, on the WGS 84 ellipsoid.

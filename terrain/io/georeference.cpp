@@ -67,6 +67,13 @@ std::string GeoReference::map_text() const
     return fmt::format("{:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}", map[0], map[1], map[2], map[3], map[4], map[5]);
 }
 
+GeoReference GeoReference::of_pixels(double column, double row, double step_x, double step_y) const
+{
+    return {system,
+            {map[0] + map[1] * column + map[2] * row, map[1] * step_x, map[2] * step_y, map[3] + map[4] * column + map[5] * row, map[4] * step_x,
+             map[5] * step_y}};
+}
+
 std::optional<std::array<double, 6>> parse_map(const std::string& text)
 {
     std::istringstream in(text);

@@ -16,6 +16,8 @@ struct GeoReference {
 
     bool known() const { return !system.empty(); }
     std::string map_text() const;  ///< six numbers, all digits
+    /// The same system for other pixels, whose column c and row r are column + c step_x and row + r step_y of these.
+    GeoReference of_pixels(double column, double row, double step_x, double step_y) const;
 };
 
 /// The reverse of map_text(); nothing if the text is not six finite numbers.

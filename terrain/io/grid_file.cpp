@@ -45,7 +45,7 @@ void write_exr(const std::string& path, const SampledGrid& grid)
     if (n[2] > 1000)
         throw Error(ErrorKind::file,
                     Problem{{path, 0, 0, {}}, "too many heights for the channels of an EXR", "at most 1000", fmt::format("{}", n[2]), {}});
-    Raster raster{n[0], n[1], std::abs(grid.step.x - grid.step.y) < 1e-9 * grid.step.x ? grid.step.x : 0.0, {}, {}};
+    Raster raster{n[0], n[1], std::abs(grid.step.x - grid.step.y) < 1e-9 * grid.step.x ? grid.step.x : 0.0, {}, {}, grid.place};
     const auto index = [&](int i, int j, int k) {
         return (static_cast<std::size_t>(i) * static_cast<std::size_t>(n[1]) + static_cast<std::size_t>(j)) * static_cast<std::size_t>(n[2]) +
                static_cast<std::size_t>(k);

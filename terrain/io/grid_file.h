@@ -1,6 +1,7 @@
 // Numbers on a regular grid of space, for other programs.
 #pragma once
 
+#include "terrain/io/georeference.h"
 #include "terrain/math/vec.h"
 
 #include <array>
@@ -16,6 +17,7 @@ struct SampledGrid {
     std::array<int, 3> count{1, 1, 1};
     Vec3d origin{0.0}, step{1.0};
     std::vector<double> values;
+    GeoReference place = {};  ///< of the pixels of a flat .exr, row 0 = the largest y; unknown: not written
 };
 
 /// By the ending, replaced in one step: .npy (float64, indexed [i, j, k]; [i, j] where nz = 1), .exr (float; one channel a height, z0000 upwards, row

@@ -85,6 +85,8 @@ HeightImage read_height_image(const std::string& path)
     image.height = spec.height;
     const double cell = spec.get_float_attribute("hoodoo:cell", 0.0f);
     image.cell = std::isfinite(cell) && cell > 0.0 ? cell : 0.0;
+    if (const auto map = parse_map(std::string(spec.get_string_attribute("hoodoo:geoTransform"))))
+        image.place = {std::string(spec.get_string_attribute("hoodoo:crs")), *map};
     image.values.resize(static_cast<std::size_t>(samples));
     if (!input->read_image(0, 0, 0, 1, OIIO::TypeDesc::FLOAT, image.values.data()))
         refuse(path, "cannot read the height image: " + input->geterror());
@@ -105,6 +107,10 @@ void write_height_image(const std::string& path, const HeightImage& image)
     spec.channelnames = {"Y"};
     spec.attribute("compression", "zip");
     spec.attribute("hoodoo:cell", static_cast<float>(image.cell));
+    if (image.place.known()) {
+        spec.attribute("hoodoo:crs", image.place.system);
+        spec.attribute("hoodoo:geoTransform", image.place.map_text());
+    }
     if (!output->open(path, spec) || !output->write_image(OIIO::TypeDesc::FLOAT, image.values.data()) || !output->close()) {
         refuse(path, "cannot write the height image: " + output->geterror());
     }
@@ -117,7 +123,8 @@ HeightImage resample(const HeightImage& image, double step_x, double step_y)
         throw Error(ErrorKind::file,
                     Problem{{}, "resampled height image", "a step above 0 and at most 134217728 pixels", fmt::format("{} x {}", width, height), {}});
     }
-    HeightImage across{static_cast<int>(width), image.height, 0.0, {}}, result{static_cast<int>(width), static_cast<int>(height), 0.0, {}};
+    HeightImage across{static_cast<int>(width), image.height, 0.0, {}, {}};
+    HeightImage result{static_cast<int>(width), static_cast<int>(height), 0.0, {}, image.place.of_pixels(0.0, 0.0, step_x, step_y)};
     across.values.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(image.height));
     result.values.resize(static_cast<std::size_t>(width * height));
     const std::vector<Taps> columns = taps(step_x, across.width), rows = taps(step_y, result.height);

@@ -1,6 +1,8 @@
 // Heights as an image: one number a pixel, metres, row 0 in the north.
 #pragma once
 
+#include "terrain/io/georeference.h"
+
 #include <string>
 #include <vector>
 
@@ -11,6 +13,7 @@ struct HeightImage {
     int width = 0, height = 0;
     double cell = 0.0;          ///< metres between neighbouring pixels; 0 where the file does not say
     std::vector<float> values;  ///< metres, row by row, row 0 = north (largest y)
+    GeoReference place;         ///< of its pixels; unknown where the file does not say
 
     float& at(int column, int row)
     {
@@ -23,7 +26,7 @@ struct HeightImage {
 /// promises over 2000 bytes for each of the file's, or holds a sample that is no finite number.
 HeightImage read_height_image(const std::string& path);
 
-/// A float EXR with the attribute `hoodoo:cell` (metres). Throws Error (file).
+/// A float EXR with the attribute `hoodoo:cell` (metres), and where the place is known hoodoo:crs and hoodoo:geoTransform. Throws Error (file).
 void write_height_image(const std::string& path, const HeightImage& image);
 
 /// Bicubic (Keys1981, a = -1/2) at the new pixels' centres, edges repeated. Steps are in old pixels. Enlarging interpolates the old values.

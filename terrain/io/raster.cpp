@@ -41,6 +41,10 @@ void write_raster(const std::string& path, const Raster& raster)
     spec.channelnames = raster.names;
     spec.attribute("compression", "zip");
     if (raster.cell > 0.0) spec.attribute("hoodoo:cell", static_cast<float>(raster.cell));
+    if (raster.place.known()) {
+        spec.attribute("hoodoo:crs", raster.place.system);
+        spec.attribute("hoodoo:geoTransform", raster.place.map_text());
+    }
     std::vector<unsigned char> file;
     OIIO::Filesystem::IOVecOutput memory(file);
     const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("openexr", &memory);
