@@ -69,9 +69,10 @@ std::string GeoReference::map_text() const
 
 GeoReference GeoReference::of_pixels(double column, double row, double step_x, double step_y) const
 {
+    // Plus 0, so that no zero is written with a minus sign.
     return {system,
-            {map[0] + map[1] * column + map[2] * row, map[1] * step_x, map[2] * step_y, map[3] + map[4] * column + map[5] * row, map[4] * step_x,
-             map[5] * step_y}};
+            {map[0] + map[1] * column + map[2] * row, map[1] * step_x + 0.0, map[2] * step_y + 0.0, map[3] + map[4] * column + map[5] * row,
+             map[4] * step_x + 0.0, map[5] * step_y + 0.0}};
 }
 
 std::optional<std::array<double, 6>> parse_map(const std::string& text)

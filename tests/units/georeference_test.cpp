@@ -100,10 +100,11 @@ TEST_F(Georeference, samples_of_a_placed_terrain_say_where_they_lie)
 {
     const std::string file = path("in.exr");
     write_height_image(file, {6, 4, 10.0, std::vector<float>(24, 1.0f), {"EPSG:32613", {500000.0, 10.0, 0.0, 4000000.0, 0.0, -10.0}}});
-    const LoadedScene scene = load_scene(fmt::format("version = 1\n[camera]\neye = [0, -20, 30]\ntarget = [0, 0, 0]\n[terrain.land]\ntype = "
-                                                     "\"heightfield\"\nfile = \"{}\"\n",
-                                                     file),
-                                         true);
+    SceneOverrides overrides;
+    overrides.allowed_roots = {folder_.string()};
+    const LoadedScene scene = load_scene(
+        fmt::format("version = 1\n[camera]\neye = [0, -20, 30]\ntarget = [0, 0, 0]\n[terrain.land]\ntype = \"heightfield\"\nfile = \"{}\"\n", file),
+        true, overrides);
     const SurveyedTerrain terrain = survey(scene, "");
     // Node (0, 0) of the world is the middle of the pixel in the south-west: (500005, 3999965).
     const SampledGrid grid = sample_field(terrain, Box3d(Vec3d(0, 0, 1), Vec3d(40, 20, 1)), {5, 3, 1});
@@ -113,7 +114,9 @@ TEST_F(Georeference, samples_of_a_placed_terrain_say_where_they_lie)
     const HeightImage above = heights_from_above(terrain, Imath::Box2d(Vec2d(5.0, 5.0), Vec2d(35.0, 25.0)), 5.0);
     EXPECT_EQ(above.place.map_text(), "500010 5 0 3999990 0 -5");
     RenderOptions options;
-    options.samples = 1;
+    options.spp = 1;
+    options.width = 16;
+    options.height = 16;
     const Image picture = render(scene, options);
     EXPECT_EQ(std::get<std::string>(picture.metadata.at("hoodoo:crs")), "EPSG:32613");
     EXPECT_EQ(std::get<std::string>(picture.metadata.at("hoodoo:worldToMap")), "500005 1 0 3999965 0 1");
