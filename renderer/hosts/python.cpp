@@ -51,7 +51,7 @@ bool is_scene_text(const std::string& given)
 SceneHandle load(const py::object& source, const py::dict& overrides, std::optional<std::uint64_t> seed, int threads, bool editable)
 {
     const bool is_path = py::hasattr(source, "__fspath__");
-    const std::string given = is_path ? py::str(source.attr("__fspath__")()).cast<std::string>() : source.cast<std::string>();
+    const std::string given = path_text(source);
     SceneOverrides all = overrides_from(overrides);
     all.seed = seed;
     py::gil_scoped_release free;
@@ -144,7 +144,7 @@ py::dict metadata_of(const ImageHandle& self)
 
 void write_image(const ImageHandle& self, const py::object& path)
 {
-    const std::string name = py::hasattr(path, "__fspath__") ? py::str(path.attr("__fspath__")()).cast<std::string>() : path.cast<std::string>();
+    const std::string name = path_text(path);
     py::gil_scoped_release free;
     write_picture(*self.image, name, *self.loaded);
 }
@@ -352,7 +352,9 @@ PYBIND11_MODULE(hoodoo, module)
         "Hoodoo: a path tracer for terrains that height maps and meshes cannot hold. Lengths in metres, angles in radians, z up, right-handed.";
     py::register_exception<hoodoo::Error>(module, "Error", PyExc_ValueError).attr("__doc__") =
         "Anything wrong with a scene, a file or an argument; its text says where, what, what was expected and what was found.";
+    add_field(module);
     add_terrain(module);
+    add_voxels(module);
     add_analysis(module);
     add_image(module);
     add_scene(module);

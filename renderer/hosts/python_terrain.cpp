@@ -9,12 +9,9 @@
 #include "terrain/math/hash.h"
 #include "terrain/stack/convolution.h"
 
-#include <pybind11/stl.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -26,11 +23,6 @@ namespace
 
 using LayerTuple = std::pair<std::string, double>;
 using ColumnLists = std::vector<std::vector<std::vector<LayerTuple>>>;
-
-[[noreturn]] void refuse(std::string what, std::string expected, std::string got = {})
-{
-    throw Error(ErrorKind::scene, Problem{{"<python>", 0, 0, {}}, std::move(what), std::move(expected), std::move(got), {}});
-}
 
 double default_unit(const ColumnLists& columns)
 {
@@ -79,38 +71,6 @@ ColumnLists columns_of(const MaterialStack& stack)
     return columns;
 }
 
-py::array_t<double> values_at(const FieldHandle& self, const Doubles& points)
-{
-    const std::vector<py::ssize_t> shape = shape_of_points(points, "points");
-    py::array_t<double> result(shape);
-    const double* p = points.data();
-    double* out = result.mutable_data();
-    for_chunks(static_cast<std::size_t>(result.size()), 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const Vec3d at(p[3 * i], p[3 * i + 1], p[3 * i + 2]);
-            out[i] = is_finite(at) ? self.field->value(at) : std::numeric_limits<double>::quiet_NaN();
-        }
-    });
-    return result;
-}
-
-py::array_t<double> gradients_at(const FieldHandle& self, const Doubles& points)
-{
-    std::vector<py::ssize_t> shape = shape_of_points(points, "points");
-    shape.push_back(3);
-    py::array_t<double> result(shape);
-    const double* p = points.data();
-    double* out = result.mutable_data();
-    for_chunks(static_cast<std::size_t>(result.size()) / 3, 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const Vec3d at(p[3 * i], p[3 * i + 1], p[3 * i + 2]);
-            const Vec3d g = is_finite(at) ? self.field->gradient(at) : Vec3d(std::numeric_limits<double>::quiet_NaN());
-            for (unsigned k = 0; k < 3; ++k) out[3 * i + k] = g[k];
-        }
-    });
-    return result;
-}
-
 FieldHandle convolution_of(std::shared_ptr<MaterialStack> stack, double sigma, const std::vector<std::string>& materials, const std::string& border,
                            double base)
 {
@@ -156,17 +116,6 @@ py::array_t<std::int32_t> edit_stack(MaterialStack& stack, const std::string& to
     }());
 }
 
-py::dict described(const Schema& schema)
-{
-    py::dict parameters;
-    for (const Parameter& p : schema.parameters) parameters[py::str(p.name)] = p.doc + (p.unit.empty() ? "" : " [" + p.unit + "]");
-    py::dict row;
-    row["name"] = schema.name;
-    row["doc"] = schema.doc;
-    row["parameters"] = parameters;
-    return row;
-}
-
 py::list catalogue_rows()
 {
     py::list rows;
@@ -188,39 +137,19 @@ py::list tool_rows()
 
 }  // namespace
 
+py::dict described(const Schema& schema)
+{
+    py::dict parameters;
+    for (const Parameter& p : schema.parameters) parameters[py::str(p.name)] = p.doc + (p.unit.empty() ? "" : " [" + p.unit + "]");
+    py::dict row;
+    row["name"] = schema.name;
+    row["doc"] = schema.doc;
+    row["parameters"] = parameters;
+    return row;
+}
+
 void add_terrain(py::module_& module)
 {
-    py::class_<FieldHandle>(module, "Field", "An implicit function of space, negative inside matter. Immutable.")
-        .def("value", &values_at, py::arg("points"),
-             "value(points) -> float64 (n,)\n\nThe function at points, float64 (n, 3) in metres, world space. Negative inside matter; its unit is "
-             "the field's own (a convolution field has none "
-             "and lies in [-1, 1]). Any leading shape is kept: (3,) gives (). A point that is not finite gives nan. Raises hoodoo.Error if the last "
-             "axis is not 3.")
-        .def("gradient", &gradients_at, py::arg("points"),
-             "gradient(points) -> float64 (n, 3)\n\nIts gradient per metre at points, float64 (n, 3) in metres; it points from matter to air, and is "
-             "one-sided where the function has a crease.")
-        .def(
-            "interval",
-            [](const FieldHandle& self, const std::array<double, 3>& low, const std::array<double, 3>& high) {
-                for (std::size_t k = 0; k < 3; ++k)
-                    if (!(low[k] <= high[k])) refuse("the box of an interval", "low <= high in every coordinate");
-                const Interval i = self.field->range(Box3d(Vec3d(low[0], low[1], low[2]), Vec3d(high[0], high[1], high[2])));
-                return std::make_pair(i.lo, i.hi);
-            },
-            py::arg("low"), py::arg("high"),
-            "interval(low, high) -> (float, float)\n\nA proved enclosure of the values over the box between the corners low and high, three numbers "
-            "in "
-            "metres each: no value lies outside. Raises hoodoo.Error: a box that is none.")
-        .def(
-            "slope_bound",
-            [](const FieldHandle& self, const std::array<double, 3>& a, const std::array<double, 3>& b) {
-                return self.field->slope_bound({Vec3d(a[0], a[1], a[2]), Vec3d(b[0], b[1], b[2])});
-            },
-            py::arg("a"), py::arg("b"),
-            "slope_bound(a, b) -> float\n\nA proved upper bound of |value(p) - value(q)| / |p - q|, per metre, over all p, q of the segment from a "
-            "to b, "
-            "three numbers in metres each.");
-
     py::class_<MaterialStack, std::shared_ptr<MaterialStack>>(module, "MaterialStack", "Layers of material over a grid of columns.")
         .def(py::init(&stack_from), py::arg("cell"), py::arg("columns"), py::arg("origin") = std::array<double, 3>{0.0, 0.0, 0.0},
              py::arg("unit") = py::none(),

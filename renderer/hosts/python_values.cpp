@@ -20,11 +20,6 @@ namespace
 
 constexpr int kDeepest = 64;
 
-[[noreturn]] void refuse(const std::string& what, std::string expected, std::string got)
-{
-    throw Error(ErrorKind::scene, Problem{{"<python>", 0, 0, {}}, what, std::move(expected), std::move(got), {}});
-}
-
 std::string type_name(const py::handle& object)
 {
     return py::str(py::type::of(object).attr("__name__"));
@@ -114,6 +109,16 @@ std::string toml_of(const Node& node)
 }
 
 }  // namespace
+
+std::string path_text(const py::object& path)
+{
+    return py::hasattr(path, "__fspath__") ? py::str(path.attr("__fspath__")()).cast<std::string>() : path.cast<std::string>();
+}
+
+void refuse(std::string what, std::string expected, std::string got)
+{
+    throw Error(ErrorKind::scene, Problem{{"<python>", 0, 0, {}}, std::move(what), std::move(expected), std::move(got), {}});
+}
 
 Node node_from(const py::handle& object, const std::string& what)
 {

@@ -4,10 +4,10 @@
 // elevation here, because a stack has no lowest and highest that an edit elsewhere would leave alone. Under water nothing dries.
 // Deviations: cracks are as sharp as columns are wide (a width of less than a column leaves gaps); dried mud stands by itself, so this tool lets
 // nothing slide. Missing: curled edges.
+#include "terrain/edit/crack_parameters.h"
 #include "terrain/edit/overwrite.h"
 #include "terrain/edit/rows.h"
 #include "terrain/error.h"
-#include "terrain/fields/crack_network.h"
 
 #include <fmt/format.h>
 
@@ -46,17 +46,10 @@ Cracking cracking_of(const MaterialStack& stack, const Values& edit, const EditC
     if (!grid.intersects(region))
         throw edit.problem("region_min", "the region lies outside of the terrain",
                            fmt::format("[{:.6g}, {:.6g}] to [{:.6g}, {:.6g}]", grid.min.x, grid.min.y, grid.max.x, grid.max.y));
-    const auto n = static_cast<int>(edit.integer("n"));
-    const Vec2d size = region.size();
-    const Box2d local(Vec2d(0.0), size);
-    const SiteKind kind = edit.text("sites") == "even" ? SiteKind::even : SiteKind::random;
     MaterialSet materials = 0;
     for (const std::string& name : edit.names("materials"))
         materials = static_cast<MaterialSet>(materials | material_set({material_from_name(name)}));
-    Cracking cracking{region.min, region.max,
-                      CrackNetwork(VoronoiDiagram(crack_sites(context.seed, n, local, kind), crack_box(n, local)),
-                                   edit.number("lambda") * std::sqrt(size.x * size.y / n)),
-                      edit.number("kappa"), materials};
+    Cracking cracking{region.min, region.max, crack_network(edit, context.seed, region.size()), edit.number("kappa"), materials};
     if (edit.has("border")) cracking.border = edit.number("border");
     cracking.border_error = edit.number("border_error");
     return cracking;
@@ -84,55 +77,22 @@ ColumnSet crack(MaterialStack& stack, const Cracking& cracking)
 EditTool crack_tool()
 {
     Schema schema{"crack", "Cracks what lies on top, as mud does when it dries.", {}};
-    const Parameter corner{.name = "region_min",
-                           .type = ParameterType::vector,
-                           .doc = "Lower corner (x, y) of the rectangle that is cracked; by default the terrain's.",
-                           .unit = "m",
-                           .min_count = 2,
-                           .max_count = 2};
-    Parameter other = corner;
-    other.name = "region_max", other.doc = "Upper corner of it.";
-    schema.parameters = {
-        {.name = "n",
-         .type = ParameterType::integer,
-         .doc = "Sites in the rectangle, whose cells the cracks part.",
-         .fallback = std::int64_t{200},
-         .minimum = 1,
-         .maximum = 1e6},
-        {.name = "sites",
-         .type = ParameterType::choice,
-         .doc = "random: independent; even: as far from each other as the best of 16 draws.",
-         .fallback = std::string("even"),
-         .choices = {"random", "even"}},
-        {.name = "kappa",
-         .type = ParameterType::number,
-         .doc = "Depth of a crack, share of the thickness of what is cracked.",
-         .fallback = 0.8,
-         .minimum = 0,
-         .maximum = 1},
-        {.name = "lambda",
-         .type = ParameterType::number,
-         .doc = "Width of a crack, share of the mean spacing of the sites, sqrt(area / n).",
-         .fallback = 0.1,
-         .minimum = 0,
-         .maximum = 10,
-         .above_minimum = true},
-        {.name = "materials",
-         .type = ParameterType::names,
-         .doc = "What cracks, where it lies on top.",
-         .fallback = std::vector<std::string>{"sand", "soil"},
-         .choices = {"sand", "soil", "rock", "bedrock"},
-         .min_count = 1},
-        {.name = "border", .type = ParameterType::length, .doc = "Elevation above which cracks vanish; by default nowhere.", .unit = "m"},
-        {.name = "border_error",
-         .type = ParameterType::length,
-         .doc = "Over this much above the border they do.",
-         .fallback = 0.0,
-         .unit = "m",
-         .minimum = 0},
-        corner,
-        std::move(other),
-    };
+    schema.parameters = crack_parameters(SiteKind::even, 0.8, 1.0, "Depth of a crack, share of the thickness of what is cracked.");
+    schema.parameters.push_back({.name = "materials",
+                                 .type = ParameterType::names,
+                                 .doc = "What cracks, where it lies on top.",
+                                 .fallback = std::vector<std::string>{"sand", "soil"},
+                                 .choices = {"sand", "soil", "rock", "bedrock"},
+                                 .min_count = 1});
+    schema.parameters.push_back(
+        {.name = "border", .type = ParameterType::length, .doc = "Elevation above which cracks vanish; by default nowhere.", .unit = "m"});
+    schema.parameters.push_back({.name = "border_error",
+                                 .type = ParameterType::length,
+                                 .doc = "Over this much above the border they do.",
+                                 .fallback = 0.0,
+                                 .unit = "m",
+                                 .minimum = 0});
+    for (Parameter& corner : crack_region_parameters("that is cracked; by default the terrain's.")) schema.parameters.push_back(std::move(corner));
     const auto apply = [](MaterialStack& stack, const Values& edit, const EditContext& context) {
         return crack(stack, cracking_of(stack, edit, context));
     };

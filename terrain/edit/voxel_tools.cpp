@@ -6,11 +6,11 @@
 // Peytavie2009, section 3.3). weather: terrain/edit/weather.h, with durability by beds and noise. Missing: soft edges of sculpt; use smooth after it.
 #include "terrain/edit/voxel_tools.h"
 
+#include "terrain/edit/edit_table.h"
 #include "terrain/edit/weather.h"
 #include "terrain/error.h"
 #include "terrain/fields/lattice_box.h"
 #include "terrain/fields/round_cone.h"
-#include "terrain/math/hash.h"
 #include "terrain/math/noise.h"
 #include "terrain/math/parallel.h"
 #include "terrain/math/smoothstep.h"
@@ -275,37 +275,21 @@ std::vector<Schema> voxel_edit_schemas()
     std::vector<Schema> schemas;
     for (const VoxelTool& tool : voxel_tools()) {
         Schema& schema = schemas.emplace_back(tool.schema);
-        schema.parameters.push_back(
-            {.name = "name", .type = ParameterType::text, .doc = "Seeds the edit's noise; by default its number.", .fallback = std::string()});
+        schema.parameters.push_back(edit_name_parameter());
     }
     return schemas;
 }
 
 void apply_voxel_edit(VoxelGrid& grid, const Values& edit, std::uint64_t seed, std::size_t number)
 {
-    const auto tools = voxel_tools();
-    const auto tool = std::find_if(tools.begin(), tools.end(), [&](const VoxelTool& t) { return t.schema.name == edit.variant(); });
-    if (tool == tools.end()) throw Error(ErrorKind::internal, "no voxel tool is called " + edit.variant());
-    const std::string& name = edit.text("name");
-    tool->apply(grid, edit, hash_name(seed, name.empty() ? fmt::format("edit {}", number) : name));
+    tool_of(voxel_tools(), edit).apply(grid, edit, edit_seed(edit, seed, number));
     grid.trim();
 }
 
 void apply_voxel_edit(VoxelGrid& grid, const std::string& tool, const Node& parameters, std::uint64_t seed, std::size_t number)
 {
-    // As a terrain's list of edits with one item, so that the same checks speak the same words.
-    static const Schema schema{
-        "edits", "", {{.name = "edit", .type = ParameterType::tables, .discriminator = "tool", .items = voxel_edit_schemas()}}};
-    Node chosen = parameters, name, list, table;
-    name.where = name.key_where = list.where = list.key_where = table.where = parameters.where;
-    name.value = tool;
-    if (auto* entries = std::get_if<Node::Table>(&chosen.value)) entries->emplace_back("tool", std::move(name));
-    list.value = Node::Array{std::move(chosen)};
-    table.value = Node::Table{{"edit", std::move(list)}};
-    std::vector<Problem> problems;
-    const Values values = check(schema, table, problems);
-    if (!problems.empty()) throw Error(ErrorKind::scene, std::move(problems));
-    apply_voxel_edit(grid, values.tables("edit")[0], seed, number);
+    static const Schema schema = edit_list_schema(voxel_edit_schemas());
+    apply_voxel_edit(grid, checked_edit(schema, tool, parameters), seed, number);
 }
 
 }  // namespace hoodoo

@@ -9,6 +9,7 @@
 // warped terrains as ground; soft edges; level of detail.
 #include "terrain/surfaces/cracked.h"
 
+#include "terrain/edit/crack_parameters.h"
 #include "terrain/error.h"
 #include "terrain/math/hash.h"
 #include "terrain/surfaces/column_ground.h"
@@ -19,6 +20,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <queue>
 
 namespace hoodoo
@@ -227,12 +229,8 @@ Shape make_cracked(const Values& values, const BuildContext& context)
     const Box2d region = region_of(values, *height);
     const Vec2d size = region.size();
     const Interval level = levels_of(values, *height, region);
-    const auto n = static_cast<int>(values.integer("n"));
-    const Box2d box(Vec2d(0.0), size);
     if (context.progress) context.progress(0.2, "cracks");
-    const SiteKind kind = values.text("sites") == "even" ? SiteKind::even : SiteKind::random;
-    CrackNetwork network(VoronoiDiagram(crack_sites(context.seed, n, box, kind), crack_box(n, box)),
-                         values.number("lambda") * std::sqrt(size.x * size.y / n));
+    CrackNetwork network = crack_network(values, context.seed, size);
     const CrackDepth depth{values.number("kappa"), values.number("psi"), values.number("epsilon")};
     CrackedField field(height, std::move(network), depth, region, level.lo, level.hi);
 
@@ -259,10 +257,6 @@ CatalogueEntry cracked_row()
 {
     Schema schema{
         "cracked", "Any terrain that is a height over the plane, torn by dry cracks with vertical walls. Its base is not rendered itself.", {}};
-    const Parameter corner{.name = "", .type = ParameterType::vector, .doc = "", .unit = "m", .min_count = 2, .max_count = 2};
-    Parameter low = corner, high = corner;
-    low.name = "region_min", low.doc = "Lower corner (x, y) of the rectangle that is shown and cracked; by default the ground's own.";
-    high.name = "region_max", high.doc = "Upper corner of it.";
     schema.parameters = {
         {.name = "base", .type = ParameterType::text, .doc = "Name of the terrain that is cracked."},
         {.name = "ground",
@@ -272,30 +266,10 @@ CatalogueEntry cracked_row()
          .max_count = 1,
          .discriminator = "type",
          .items = ground_schemas()},
-        {.name = "n",
-         .type = ParameterType::integer,
-         .doc = "Sites, whose cells the cracks part.",
-         .fallback = std::int64_t{200},
-         .minimum = 1,
-         .maximum = 1e6},
-        {.name = "sites",
-         .type = ParameterType::choice,
-         .doc = "random: independent, as in the paper; even: as far from each other as the best of 16 draws.",
-         .fallback = std::string("random"),
-         .choices = {"random", "even"}},
-        {.name = "kappa",
-         .type = ParameterType::number,
-         .doc = "Depth of a crack, share of the height h there.",
-         .fallback = 0.3,
-         .minimum = 0,
-         .maximum = 0.99},
-        {.name = "lambda",
-         .type = ParameterType::number,
-         .doc = "Width of a crack, share of the mean spacing of the sites, sqrt(area / n).",
-         .fallback = 0.1,
-         .minimum = 0,
-         .maximum = 10,
-         .above_minimum = true},
+    };
+    const auto append = [&](std::vector<Parameter> more) { std::move(more.begin(), more.end(), std::back_inserter(schema.parameters)); };
+    append(crack_parameters(SiteKind::random, 0.3, 0.99, "Depth of a crack, share of the height h there."));
+    append({
         {.name = "psi",
          .type = ParameterType::number,
          .doc = "Border line: up to this height h cracks have their full depth.",
@@ -310,8 +284,9 @@ CatalogueEntry cracked_row()
          .maximum = 1},
         {.name = "zero", .type = ParameterType::length, .doc = "Elevation of h = 0; by default the ground's lowest, to 1e-4.", .unit = "m"},
         {.name = "one", .type = ParameterType::length, .doc = "Elevation of h = 1; by default the ground's highest, to 1e-4.", .unit = "m"},
-        std::move(low),
-        std::move(high),
+    });
+    append(crack_region_parameters("that is shown and cracked; by default the ground's own."));
+    append({
         {.name = "inside", .type = ParameterType::text, .doc = "Material of walls and floors; by default the ground's.", .fallback = std::string()},
         {.name = "above",
          .type = ParameterType::text,
@@ -323,7 +298,7 @@ CatalogueEntry cracked_row()
          .unit = "m",
          .minimum = 0,
          .above_minimum = true},
-    };
+    });
     return {"cracked", "Li2023", std::move(schema), make_cracked};
 }
 
