@@ -5,11 +5,16 @@
 
 #ifdef HOODOO_OPENVDB
 
+#include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <new>
+#include <stdexcept>
 
 namespace hoodoo
 {
@@ -22,20 +27,23 @@ namespace
     throw Error(ErrorKind::file, Problem{{path, 0, 0, {}}, std::move(what), std::move(expected), std::move(got), std::move(nearest)});
 }
 
+/// Reads the file as a stream that throws at its end: OpenVDB by itself goes on with whatever it finds there, sizes of gigabytes among them.
 openvdb::GridBase::Ptr open_grid(const std::string& path, const std::string& wanted)
 {
     openvdb::initialize();
-    openvdb::io::File file(path);
-    file.open();
+    std::ifstream file(path, std::ios::binary);
+    if (!file) refuse(path, "cannot read the voxels");
+    file.exceptions(std::ios::eofbit | std::ios::failbit | std::ios::badbit);
+    const openvdb::GridPtrVecPtr grids = openvdb::io::Stream(file, false).getGrids();
     std::vector<std::string> names;
-    for (auto name = file.beginName(); name != file.endName(); ++name) names.push_back(name.gridName());
+    for (const auto& grid : *grids) names.push_back(grid->getName());
     if (wanted.empty() && names.size() != 1)
         refuse(path, "the file has several grids: say which one by `array`", fmt::format("one of: {}", fmt::join(names, ", ")));
-    const std::string name = wanted.empty() ? names.front() : wanted;
-    if (std::find(names.begin(), names.end(), name) == names.end())
-        refuse(path, "the file has no grid of this name", fmt::format("one of: {}", fmt::join(names, ", ")), '"' + name + '"',
-               nearest_name(name, names));
-    return file.readGrid(name);
+    const auto found = wanted.empty() ? names.begin() : std::find(names.begin(), names.end(), wanted);
+    if (found == names.end())
+        refuse(path, "the file has no grid of this name", fmt::format("one of: {}", fmt::join(names, ", ")), '"' + wanted + '"',
+               nearest_name(wanted, names));
+    return (*grids)[static_cast<std::size_t>(found - names.begin())];
 }
 
 template <class Grid>
@@ -115,6 +123,12 @@ VoxelGrid read_vdb_voxels(const std::string& path, const VoxelFileOptions& optio
         refuse(path, "the grid does not hold real numbers", "a grid of float or double", grid->valueType());
     } catch (const openvdb::Exception& error) {
         refuse(path, "cannot read the voxels", {}, error.what());
+    } catch (const std::ios_base::failure&) {
+        refuse(path, "cannot read the voxels", "a whole file", "one that ends early");
+    } catch (const std::length_error&) {
+        refuse(path, "cannot read the voxels", "a whole file", "one that is damaged");
+    } catch (const std::bad_alloc&) {
+        refuse(path, "cannot read the voxels", "a whole file", "one that is damaged, or larger than memory");
     }
 }
 

@@ -5,12 +5,14 @@
 // march/cracked_patches.cpp. Units: the paper gives heights in [0, 1] and lambda = 0.1 without saying of what. As a width in the unit square it would
 // tear 98 % of the ground with the paper's own n = 200; here the width is lambda times the mean spacing of the sites, sqrt(area / n), which
 // tears 18.3 to 18.8 % for n = 100 to 800. Materials follow: `inside` on walls and floors, `above` beyond the border line. Layers as ground are the
-// tops of their columns (column_ground.h). Deviations: sites may be even (the paper's are random); the shape ends at the region. Missing: meshes and
+// tops of their columns (column_ground.h). Plates may curl (fields/curled_height.h), which the paper's do
+// not. Deviations: sites may be even (the paper's are random); the shape ends at the region. Missing: meshes and
 // warped terrains as ground; soft edges; level of detail.
 #include "terrain/surfaces/cracked.h"
 
 #include "terrain/edit/crack_parameters.h"
 #include "terrain/error.h"
+#include "terrain/fields/curled_height.h"
 #include "terrain/math/hash.h"
 #include "terrain/surfaces/column_ground.h"
 #include "terrain/surfaces/refine.h"
@@ -96,7 +98,9 @@ void CrackedSurface::wear(Interaction& at, Part part) const
     base_->dress(ground);
     at.uv = ground.uv;
     at.texture_point = part == Part::top ? ground.texture_point : ground.texture_point + (at.position - ground.position);
-    at.shading_normal = part == Part::top ? into_hemisphere(ground.shading_normal, at.geometric_normal) : at.geometric_normal;
+    // A ground that was reshaped no longer has the base's shading.
+    const bool own = part == Part::top && &field_.ground() == base_->height();
+    at.shading_normal = own ? into_hemisphere(ground.shading_normal, at.geometric_normal) : at.geometric_normal;
     if (part != Part::top && inside_ < materials_.size()) {
         at.materials.add(static_cast<std::uint8_t>(inside_), 1.0f);
         return;
@@ -232,7 +236,12 @@ Shape make_cracked(const Values& values, const BuildContext& context)
     if (context.progress) context.progress(0.2, "cracks");
     CrackNetwork network = crack_network(values, context.seed, size);
     const CrackDepth depth{values.number("kappa"), values.number("psi"), values.number("epsilon")};
-    CrackedField field(height, std::move(network), depth, region, level.lo, level.hi);
+    std::shared_ptr<const Height> ground = height;
+    if (const double curl = values.number("curl"); curl != 0.0) {
+        const double spacing = network.width() / values.number("lambda");
+        ground = std::make_shared<CurledHeight>(height, network.diagram(), region.min, curl, values.number("curl_reach") * spacing);
+    }
+    CrackedField field(std::move(ground), std::move(network), depth, region, level.lo, level.hi);
 
     CrackedPatchSettings settings;
     settings.size = values.has("patch") ? values.number("patch") : std::max(size.x, size.y) / 256.0;
@@ -287,6 +296,18 @@ CatalogueEntry cracked_row()
     });
     append(crack_region_parameters("that is shown and cracked; by default the ground's own."));
     append({
+        {.name = "curl",
+         .type = ParameterType::length,
+         .doc = "By how much the rims of plates rise above the ground; below 0 they sink.",
+         .fallback = 0.0,
+         .unit = "m"},
+        {.name = "curl_reach",
+         .type = ParameterType::number,
+         .doc = "How far from their rims plates curl, share of the mean spacing of the sites.",
+         .fallback = 0.35,
+         .minimum = 0,
+         .maximum = 10,
+         .above_minimum = true},
         {.name = "inside", .type = ParameterType::text, .doc = "Material of walls and floors; by default the ground's.", .fallback = std::string()},
         {.name = "above",
          .type = ParameterType::text,

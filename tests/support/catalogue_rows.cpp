@@ -365,6 +365,30 @@ const std::vector<RowInstance>& row_instances()
                  s.z, s.z + 10.0, vector_text(s));
          },
          0.9},
+        {"cracked", "cracked_elevation",
+         [](const Vec3d& s) {
+             return fmt::format(
+                 "n = 30\nlambda = 0.25\npatch = 0.5\nzero = {:.17g}\none = {:.17g}\nregion_min = [{:.17g}, {:.17g}]\nregion_max = [{:.17g}, "
+                 "{:.17g}]\n[[ground]]\ntype = \"elevation\"\n{}",
+                 s.z - 3.0, s.z + 3.0, s.x - 5, s.y - 4, s.x + 5, s.y + 4, small_hills("fbm", s));
+         },
+         0.9},
+        {"cracked", "cracked_heightfield",
+         [](const Vec3d& s) {
+             return fmt::format(
+                 "n = 60\nlambda = 0.2\npatch = 0.5\npsi = 0.6\n[[ground]]\ntype = \"heightfield\"\nfile = \"{}\"\nwhite = 12.0\ncell = [0.5, "
+                 "0.4]\norigin = {}\n",
+                 heights_path(), vector_text(s));
+         },
+         0.9},
+        {"cracked", "cracked_curled",
+         [](const Vec3d& s) {
+             return fmt::format(
+                 "n = 24\nlambda = 0.15\npatch = 0.5\ncurl = 0.5\nregion_min = [{:.17g}, {:.17g}]\nregion_max = [{:.17g}, {:.17g}]\n[[ground]]\n"
+                 "type = \"plane\"\npoint = {}\nnormal = [0.2, 0.1, 1.0]\nextent = 20.0\n",
+                 s.x - 4, s.y - 3, s.x + 6, s.y + 5, vector_text(Vec3d(1, 2, 3) + s));
+         },
+         0.9},
         {"cracked", "cracked_plane",
          [](const Vec3d& s) {
              return fmt::format(

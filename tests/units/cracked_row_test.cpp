@@ -1,7 +1,6 @@
 // What a scene may say of cracked ground, and what it is told where it cannot be.
-#include "renderer/scene/toml_text.h"
-#include "terrain/catalogue.h"
 #include "terrain/surfaces/cracked.h"
+#include "tests/row_builder.h"
 
 #include <gtest/gtest.h>
 
@@ -15,25 +14,9 @@ std::string flat(const std::string& more)
     return more + "\n[[ground]]\ntype = \"plane\"\nextent = 10.0\n";
 }
 
-/// Builds the row from TOML; the error's text without its excerpt, or "".
 std::string error_of(const std::string& text, std::unique_ptr<Shape>* built = nullptr, std::shared_ptr<const Surface> base = nullptr)
 {
-    const CatalogueEntry* row = find_in_catalogue("cracked");
-    SceneBudget budget;
-    std::vector<Problem> problems;
-    const Values values = check(row->schema, parse_toml(text, "t", budget, problems), problems);
-    try {
-        if (!problems.empty()) throw Error(ErrorKind::scene, problems);
-        BuildContext context;
-        context.seed = 3;
-        if (base) context.base = [&](const std::string&, const Source&) { return base; };
-        Shape shape = row->make(values, context);
-        if (built) *built = std::make_unique<Shape>(std::move(shape));
-    } catch (const Error& error) {
-        const std::string what = error.what();
-        return what.substr(0, what.find('\n'));
-    }
-    return {};
+    return testing::error_of_row("cracked", text, built, std::move(base));
 }
 
 const CrackedField& cracks_of(const std::unique_ptr<Shape>& shape)
