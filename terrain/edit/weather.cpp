@@ -57,7 +57,8 @@ Ball make_ball(double radius)
 
 struct Change {
     Index3 at;
-    float share;
+    float share;    ///< below 0: more than all of it decayed
+    Index3 behind;  ///< the sample farther from the air, which loses the rest
 };
 
 /// Air in the ball: how much, and which way.
@@ -199,7 +200,12 @@ std::vector<Change> decay(const VoxelGrid& grid, const SparseLattice<float>& sha
                 const double faces = length > 0.0 ? (std::abs(air.towards.x) + std::abs(air.towards.y) + std::abs(air.towards.z)) / length : 1.0;
                 const double lasts = o.durability ? o.durability(grid.world(Vec3d(i, j, k))) : 1.0;
                 const double rest = share - loss * std::pow(2.0 * air.share, o.power) * faces / lasts;
-                changes.push_back({p, static_cast<float>(std::max(0.0, rest))});
+                std::size_t axis = 0;
+                for (std::size_t a = 1; a < 3; ++a)
+                    if (std::abs(air.towards[static_cast<int>(a)]) > std::abs(air.towards[static_cast<int>(axis)])) axis = a;
+                Index3 behind = p;
+                behind[axis] += air.towards[static_cast<int>(axis)] > 0.0 ? -1 : 1;
+                changes.push_back({p, static_cast<float>(rest), behind});
             }
     return changes;
 }
@@ -226,7 +232,13 @@ void weather(VoxelGrid& grid, const WeatherOptions& o)
         std::vector<std::vector<Change>> changes(tiles.size());
         parallel_items(tiles.size(), [&](std::size_t n) { changes[n] = decay(grid, shares, tiles[n], ball, ground, loss, o); });
         for (const auto& list : changes)
-            for (const Change& change : list) shares.set(change.at, change.share);
+            for (const Change& change : list) shares.set(change.at, std::max(0.0f, change.share));
+        // What decayed beyond a sample's own share: without it every layer would last up to a step too long.
+        for (const auto& list : changes)
+            for (const Change& change : list) {
+                if (change.share >= 0.0f || change.behind[2] < ground) continue;
+                if (const float left = shares.at(change.behind); left > 0.0f) shares.set(change.behind, std::max(0.0f, left + change.share));
+            }
         if (step % 16 == 15) shares.prune();
         if (o.progress) o.progress((step + 1.0) / steps);
     }

@@ -27,7 +27,7 @@ namespace
     throw Error(ErrorKind::file, Problem{{path, 0, 0, {}}, std::move(what), std::move(expected), std::move(got), std::move(nearest)});
 }
 
-/// Reads the file as a stream that throws at its end: OpenVDB by itself goes on with whatever it finds there, sizes of gigabytes among them.
+/// Reads the file as a stream that throws at its end: OpenVDB by itself goes on with whatever it finds there.
 openvdb::GridBase::Ptr open_grid(const std::string& path, const std::string& wanted)
 {
     openvdb::initialize();

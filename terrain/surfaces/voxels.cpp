@@ -3,7 +3,8 @@
 // come from a file (NumPy, OpenVDB) or from another terrain's field; edits (terrain/edit/voxel_tools.h) change them before the surface is made, among
 // them the weathering that rounds blocks into goblins (Beardall2007). Around the samples there is air: every solid is closed. The geometric normal is
 // the gradient in the cell; the shading normal central differences, which are continuous. Materials are those of the corners in matter of the hit's
-// cell, weighed as the interpolation does. Missing: levels of detail; moving voxels.
+// cell, weighed as the interpolation does. Missing: levels of detail; moving voxels;
+// materials of matter that an edit adds (it is the first of the names).
 #include "terrain/surfaces/voxels.h"
 
 #include "terrain/edit/voxel_tools.h"
@@ -11,6 +12,7 @@
 #include "terrain/fields/voxel_sample.h"
 #include "terrain/io/voxel_file.h"
 #include "terrain/march/voxel_patches.h"
+#include "terrain/math/parallel.h"
 #include "terrain/surfaces/refine.h"
 #include "terrain/surfaces/rows.h"
 
@@ -133,30 +135,61 @@ VoxelGrid from_file(const Values& values, const BuildContext& context)
     return read_voxel_file(context.resolve(values.text("file"), values.where("file")), options, values.where("file"));
 }
 
-/// The most seen material of the base at each sample of a crossed cell.
-void take_materials(VoxelGrid& grid, const Surface& base)
+/// The material that most of the base shows at a point in its matter.
+std::uint8_t material_at(const Surface& base, const Vec3d& p)
+{
+    Interaction at;
+    at.position = p;
+    const Vec3d slope = base.field()->gradient(p);
+    at.geometric_normal = slope.length() > 0.0 ? slope.normalized() : Vec3d(0.0, 0.0, 1.0);
+    base.dress(at);
+    std::size_t most = 0;
+    for (std::size_t m = 1; m < at.materials.count; ++m)
+        if (at.materials.weight[m] > at.materials.weight[most]) most = m;
+    return at.materials.index[most];
+}
+
+/// The base's material at each sample in matter of a cell that the surface crosses; `all`: at every sample in matter, for edits that lay it bare.
+void take_materials(VoxelGrid& grid, const Surface& base, bool all)
 {
     grid.names = base.materials();
     if (grid.names.size() < 2) return;
-    grid.materials.emplace(grid.values.size(), std::uint8_t{0});
-    const Field& field = *base.field();
-    each_doubtful_block(grid.values, [&](const Index3& b) {
-        each_crossed_cell(grid.values, b, [&](const Index3& c, const std::array<float, 8>&) {
-            for (int n = 0; n < 8; ++n) {
-                const Index3 s{c[0] + (n >> 2), c[1] + ((n >> 1) & 1), c[2] + (n & 1)};
-                if (!(grid.at(s) < 0.0f)) continue;
-                Interaction at;
-                at.position = grid.world(Vec3d(s[0], s[1], s[2]));
-                const Vec3d slope = field.gradient(at.position);
-                if (slope.length() > 0.0) at.geometric_normal = slope.normalized();
-                base.dress(at);
-                std::size_t most = 0;
-                for (std::size_t m = 1; m < at.materials.count; ++m)
-                    if (at.materials.weight[m] > at.materials.weight[most]) most = m;
-                grid.materials->set(s, at.materials.index[most]);
-            }
+    const Index3& size = grid.values.size();
+    grid.materials.emplace(size, std::uint8_t{0});
+    const auto at = [&](const Index3& s) { return material_at(base, grid.world(Vec3d(s[0], s[1], s[2]))); };
+    if (!all) {
+        each_doubtful_block(grid.values, [&](const Index3& b) {
+            each_crossed_cell(grid.values, b, [&](const Index3& c, const std::array<float, 8>&) {
+                for (int n = 0; n < 8; ++n) {
+                    const Index3 s{c[0] + (n >> 2), c[1] + ((n >> 1) & 1), c[2] + (n & 1)};
+                    if (grid.at(s) < 0.0f) grid.materials->set(s, at(s));
+                }
+            });
         });
-    });
+        return;
+    }
+    // Slabs of blocks: questions in parallel, answers in order.
+    for (int first = 1; first < size[0] - 1; first += 8) {
+        std::array<std::vector<std::uint8_t>, 8> found;
+        parallel_items(8, [&](int n) {
+            const int i = first + n;
+            if (i >= size[0] - 1) return;
+            auto& slice = found[static_cast<std::size_t>(n)];
+            slice.reserve(static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]));
+            for (int j = 1; j < size[1] - 1; ++j)
+                for (int k = 1; k < size[2] - 1; ++k) slice.push_back(grid.at({i, j, k}) < 0.0f ? at({i, j, k}) : std::uint8_t{0});
+        });
+        for (int n = 0; n < 8; ++n) {
+            std::size_t next = 0;
+            if (found[static_cast<std::size_t>(n)].empty()) continue;
+            for (int j = 1; j < size[1] - 1; ++j)
+                for (int k = 1; k < size[2] - 1; ++k) {
+                    const std::uint8_t material = found[static_cast<std::size_t>(n)][next++];
+                    if (material != 0) grid.materials->set({first + n, j, k}, material);
+                }
+        }
+    }
+    grid.materials->prune();
 }
 
 VoxelGrid from_base(const Values& values, const BuildContext& context)
@@ -182,7 +215,7 @@ VoxelGrid from_base(const Values& values, const BuildContext& context)
         throw values.problem("cell", "so many voxels cannot be sampled", "fewer than 4e9 in the region",
                              fmt::format("{:.4g} x {:.4g} x {:.4g}", samples.x, samples.y, samples.z));
     VoxelGrid grid = sample_field(*base->field(), region, cell);
-    take_materials(grid, *base);
+    take_materials(grid, *base, !values.tables("edit").empty());
     return grid;
 }
 

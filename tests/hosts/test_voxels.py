@@ -154,7 +154,7 @@ def test_a_solid_that_is_written_and_read_is_the_same(tmp_path, ending):
 def test_a_scene_traces_what_python_wrote(tmp_path):
     grid = ball_grid()
     grid.write(tmp_path / "ball.npy")
-    scene = hoodoo.load(f"""
+    (tmp_path / "ball.toml").write_text(f"""
 version = 1
 [camera]
 eye = [0, -5, 0]
@@ -162,11 +162,12 @@ target = [0, 0, 0]
 hfov_deg = 40
 [terrain.ball]
 type = "voxels"
-file = "{tmp_path}/ball.npy"
+file = "ball.npy"
 values = "distance"
 cell = {grid.cell}
 origin = [{", ".join(map(str, grid.origin))}]
 """)
+    scene = hoodoo.load(tmp_path / "ball.toml")
     t = scene.intersect([[0, -5, 0]], [[0, 1, 0]])["t"][0]
     assert t == pytest.approx(3.8, abs=1e-3)
     assert scene.field("ball").value([0, -5 + t, 0]) == pytest.approx(0.0, abs=1e-7)

@@ -1,6 +1,6 @@
 // What a scene may say of cracked ground, and what it is told where it cannot be.
 #include "terrain/surfaces/cracked.h"
-#include "tests/row_builder.h"
+#include "tests/support/row_builder.h"
 
 #include <gtest/gtest.h>
 

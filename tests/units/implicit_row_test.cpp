@@ -1,6 +1,6 @@
 // What a scene may say of a blob tree, and what it is told where it cannot be.
 #include "terrain/field.h"
-#include "tests/row_builder.h"
+#include "tests/support/row_builder.h"
 #include "tests/support/wavy_ground.h"
 
 #include <gtest/gtest.h>

@@ -1,18 +1,14 @@
-// A row of the catalogue built from TOML as a scene writes it, or what it says of why not.
-#pragma once
+// As a scene does it: text to table, table to checked values, values to a shape.
+#include "tests/support/row_builder.h"
 
 #include "renderer/scene/toml_text.h"
 #include "terrain/catalogue.h"
-
-#include <memory>
-#include <string>
+#include "terrain/error.h"
 
 namespace hoodoo::testing
 {
 
-/// The error's text without its excerpt, or "". `built` gets the shape; `base` is what every name of another terrain means.
-inline std::string error_of_row(const std::string& name, const std::string& text, std::unique_ptr<Shape>* built = nullptr,
-                                std::shared_ptr<const Surface> base = nullptr)
+std::string error_of_row(const std::string& name, const std::string& text, std::unique_ptr<Shape>* built, std::shared_ptr<const Surface> base)
 {
     const CatalogueEntry* row = find_in_catalogue(name);
     SceneBudget budget;
@@ -23,8 +19,8 @@ inline std::string error_of_row(const std::string& name, const std::string& text
         BuildContext context;
         context.seed = 3;
         if (base) context.base = [&](const std::string&, const Source&) { return base; };
-        Shape shape = row->make(values, context);
-        if (built) *built = std::make_unique<Shape>(std::move(shape));
+        std::unique_ptr<Shape> shape(new Shape(row->make(values, context)));  // in place: a move makes GCC 12 warn of a variant it cannot follow
+        if (built) *built = std::move(shape);
     } catch (const Error& error) {
         const std::string what = error.what();
         return what.substr(0, what.find('\n'));
