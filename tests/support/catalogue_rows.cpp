@@ -384,9 +384,9 @@ const std::vector<RowInstance>& row_instances()
         {"cracked", "cracked_curled",
          [](const Vec3d& s) {
              return fmt::format(
-                 "n = 24\nlambda = 0.15\npatch = 0.5\ncurl = 0.5\nregion_min = [{:.17g}, {:.17g}]\nregion_max = [{:.17g}, {:.17g}]\n[[ground]]\n"
-                 "type = \"plane\"\npoint = {}\nnormal = [0.2, 0.1, 1.0]\nextent = 20.0\n",
-                 s.x - 4, s.y - 3, s.x + 6, s.y + 5, vector_text(Vec3d(1, 2, 3) + s));
+                 "n = 24\nlambda = 0.15\npatch = 0.5\ncurl = 0.5\nzero = {:.17g}\none = {:.17g}\nregion_min = [{:.17g}, {:.17g}]\nregion_max = "
+                 "[{:.17g}, {:.17g}]\n[[ground]]\ntype = \"plane\"\npoint = {}\nnormal = [0.2, 0.1, 1.0]\nextent = 20.0\n",
+                 s.z, s.z + 6.0, s.x - 4, s.y - 3, s.x + 6, s.y + 5, vector_text(Vec3d(1, 2, 3) + s));
          },
          0.9},
         {"cracked", "cracked_plane",
