@@ -109,7 +109,7 @@ PixelSample trace_path(const Scene& scene, const PathSettings& settings, const R
     std::fill(shares.begin(), shares.end(), 0.0f);
     out.materials = shares;
 
-    // Sets of random numbers: the camera takes set 0; each vertex one for scattering and one for each light.
+    // Sets of random numbers: after the camera's, each vertex has one for scattering and one for each light.
     const auto sets_a_vertex = static_cast<std::uint32_t>(1 + scene.lights().size());
     const double time = camera_ray.time;
     NumberStream random = stream_of(scene, sampler);
@@ -144,7 +144,11 @@ PixelSample trace_path(const Scene& scene, const PathSettings& settings, const R
         out.radiance += path.throughput * next_event(scene, v, how, sampler, set + 1, time, suns, random);
 
         // Go on.
-        const auto u = sampler.get(set);
+        auto u = sampler.get(set);
+        if (vertices == 0) {
+            const auto camera = sampler.get(kCameraSet);
+            u[0] = camera[2], u[1] = camera[3];
+        }
         if (!survives(path.throughput, static_cast<int>(vertices), settings, u[2])) return out;
         if (!scatter(path, v, how, {u[0], u[1], u[3]}, suns)) return out;
 

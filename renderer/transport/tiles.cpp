@@ -80,9 +80,9 @@ private:
             for (int s = 0; s < samples; ++s) {
                 if (cancelled()) return;  // between samples: a pixel alone may take minutes
                 sampler.start(static_cast<std::uint32_t>(s));
-                const auto u = sampler.get(0);
+                const auto u = sampler.get(kCameraSet);
                 const Vec2d film = Vec2d(pixel.x + 0.5, pixel.y + 0.5) + settings_.filter.sample(Vec2d(u[0], u[1]));
-                const Ray ray = scene_.camera().ray(film, Vec2i(layout_.width, layout_.height), u[2]);
+                const Ray ray = scene_.camera().ray(film, Vec2i(layout_.width, layout_.height), sampler.get(kShutterSet)[0]);
                 sums.add(trace_path(scene_, path_, ray, sampler, shares));
             }
             sums.end_replicate();
