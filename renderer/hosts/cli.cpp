@@ -82,7 +82,10 @@ void add_render(CLI::App& app, Arguments& a)
         ->allow_extra_args(false)
         ->check(file_name("a picture", ".exr", ".png"));
     command->add_option("--spp", a.spp, "Samples a pixel")->check(CLI::Range(1, 1 << 24));
-    command->add_option("-r,--resolution", a.resolution, "Width and height in pixels")->expected(2)->check(CLI::Range(1, 65536));
+    command->add_option("-r,--resolution", a.resolution, "Width and height in pixels")
+        ->expected(2)
+        ->allow_extra_args(false)
+        ->check(CLI::Range(1, 65536));
     command->add_option("--replicates", a.replicates, "Independent repetitions among the samples (unbiased variance)")->check(CLI::Range(1, 4096));
     auto* crop =
         command->add_option("--crop-window", a.crop_window, "x0,x1,y0,y1 as fractions of the picture, y downwards")->delimiter(',')->expected(4);

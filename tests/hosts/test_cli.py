@@ -192,6 +192,9 @@ def test_quick_is_a_quarter_and_resolution_wins_over_the_scene(scene, tmp_path):
     assert size("-r", 40, 20) == (40, 20)
     assert size("--set", "film.width=20") == (20, 36)
 
+    # The scene may follow the two numbers, whatever comes after it.
+    assert hoodoo("render", "-r", 8, 6, scene, "-o", tmp_path / "b.png", "-q").returncode == 0
+
 
 def test_parameters_and_sets_reach_the_scene(scene):
     def digest(*arguments):
