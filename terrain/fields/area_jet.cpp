@@ -165,7 +165,7 @@ AreaJet operator*(const AreaJet& a, const AreaJet& b)
     c.curvature = times(a.curvature, mb) + 2.0 * times(a.slope, b.slope) + times(b.curvature, ma);
     c.at = a.at * b.at;
     c.radius = a.radius;
-    c.size = times(a.size, b.size);
+    c.size = times(a.size, mb) + times(b.size, ma);
     return c.narrow();
 }
 

@@ -63,8 +63,9 @@ TEST(Furnace, a_missing_cosine_or_a_truncated_path_is_seen)
 
 TEST(Furnace, a_rough_white_cave_loses_nothing)
 {
-    // Rough weights are one only in the mean; the standard error over 16 x 16 pixels is far below the tolerance.
-    EXPECT_NEAR(cave_radiance(cave(0.3, 1.0f, 0.0, 1.0f), 0, testing::count(400, 10000)), 1.0, testing::count(50, 10) * 1e-4);
+    // Rough weights are one only in the mean. Pictures of 400 samples deviate by 0.0031 (over 40 seeds, whose mean is 1.0001 +- 0.0005), so these by
+    // 0.0008 and 0.0001: the tolerances are six and eight times that.
+    EXPECT_NEAR(cave_radiance(cave(0.3, 1.0f, 0.0, 1.0f), 0, testing::count(6400, 250000)), 1.0, testing::count(50, 10) * 1e-4);
 }
 
 TEST(Furnace, a_grey_cave_obeys_its_series)
