@@ -226,15 +226,17 @@ std::string every_landform(const Vec3d& shift)
            node("all", "move", fmt::format("of = \"bent\"\nshift = {}", vector_text(shift)));
 }
 
-/// A crater of two local landforms, on rugged samples.
+/// A hill, a road and two local landforms run together, on rugged samples.
 std::string landforms_on(const std::string& base, const Vec3d& shift)
 {
     const auto at = [&](double x, double y, double z) { return vector_text(Vec3d(x, y, z) + shift); };
     return fmt::format("centre = [{:.17g}, {:.17g}]\nextent = 7.0\npatch = 0.5\ngrowth = 0.0\n", shift.x + 8, shift.y + 8) +
            land_node("ground", "terrain", fmt::format("terrain = \"{}\"", base)) +
+           land_node("road", "curve", fmt::format("points = [{}, {}, {}]\nradius = 1.5\ncore = 0.6", at(2, 3, 5), at(8, 9, 6), at(14, 8, 4))) +
            land_node("cone", "point", fmt::format("at = {}\nradius = 3.0\nprofile = [0, 3, 3, 0]\nsharp = true", at(11, 12, 4))) +
            land_node("lip", "point", fmt::format("at = {}\nradius = 1.0", at(11, 12, 5.5))) +
-           land_node("crater", "inset", "of = [\"cone\", \"lip\"]") + land_node("land", "max", "of = [\"ground\", \"crater\"]");
+           land_node("crater", "inset", "of = [\"cone\", \"lip\"]") + land_node("land", "max", "of = [\"ground\", \"crater\"]") +
+           land_node("top", "replace", "of = [\"land\", \"road\"]");
 }
 
 /// The carved block with a cave through its wall. Moved as a whole.
