@@ -10,7 +10,8 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-TERRAIN_BASE = {"terrain/math", "terrain/field.h", "terrain/density.h", "terrain/surface.h", "terrain/shape.h", "terrain/error.h", "terrain/schema.h", "terrain/isa.h"}
+TERRAIN_BASE = {"terrain/math", "terrain/field.h", "terrain/density.h", "terrain/surface.h", "terrain/shape.h", "terrain/error.h", "terrain/schema.h", "terrain/isa.h",
+                "terrain/isa_kernels.h"}
 TERRAIN_PUBLIC = TERRAIN_BASE | {"terrain/catalogue.h", "terrain/editable.h", "terrain/schema_values.h"}
 PARAMETERS = {"terrain/math", "terrain/error.h", "terrain/schema.h", "terrain/isa.h"}
 MAY_INCLUDE = {

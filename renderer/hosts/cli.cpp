@@ -87,11 +87,14 @@ void add_render(CLI::App& app, Arguments& a)
         ->allow_extra_args(false)
         ->check(CLI::Range(1, 65536));
     command->add_option("--replicates", a.replicates, "Independent repetitions among the samples (unbiased variance)")->check(CLI::Range(1, 4096));
-    auto* crop =
-        command->add_option("--crop-window", a.crop_window, "x0,x1,y0,y1 as fractions of the picture, y downwards")->delimiter(',')->expected(4);
+    auto* crop = command->add_option("--crop-window", a.crop_window, "x0,x1,y0,y1 as fractions of the picture, y downwards")
+                     ->delimiter(',')
+                     ->expected(4)
+                     ->allow_extra_args(false);
     command->add_option("--pixel-bounds", a.pixel_bounds, "x0,x1,y0,y1 in pixels, half-open, y downwards")
         ->delimiter(',')
         ->expected(4)
+        ->allow_extra_args(false)
         ->excludes(crop);
     command->add_option("--frames", r.frames, "Frames to render: 1-240, 1-10,20-50x2; the output names them with ####")
         ->excludes(command->get_option("--frame"));
@@ -119,6 +122,7 @@ void add_dem_options(CLI::App& command, Arguments& a)
     command.add_option("--subset", a.subset, "x0,x1,y0,y1 in source pixels, half-open, row 0 = north")
         ->delimiter(',')
         ->expected(4)
+        ->allow_extra_args(false)
         ->check(CLI::NonNegativeNumber);
     command.add_option("--scale", o.scale, "Metres for the value 1")->transform(in_metres)->check(CLI::PositiveNumber);
     auto* cell = command.add_option("--cell", a.cell, "Metres between source pixels: one number, or x,y")
@@ -223,7 +227,10 @@ void add_heights(CLI::App& command, Arguments& a)
 {
     SurveyArguments& s = a.survey;
     command.get_option("scene")->description("Scene file (TOML), or an elevation model (.npz or any image)");
-    command.add_option("--bounds", s.bounds, "x0,x1,y0,y1 in metres; without it all of the terrain")->delimiter(',')->expected(4);
+    command.add_option("--bounds", s.bounds, "x0,x1,y0,y1 in metres; without it all of the terrain")
+        ->delimiter(',')
+        ->expected(4)
+        ->allow_extra_args(false);
     command.add_option("--cell", s.cell, "Metres between heights; without it a 1024th of the longer side, or what the model says")
         ->transform(in_metres)
         ->check(CLI::PositiveNumber);
@@ -234,14 +241,25 @@ void add_surveys(CLI::App& app, Arguments& a)
 {
     SurveyArguments& s = a.survey;
     CLI::App* sample = add_survey(app, a, "sample", "Write the field of a terrain on a grid of points");
-    sample->add_option("--grid", s.grid, "Nodes along x, y and z: NX,NY,NZ")->required()->delimiter(',')->expected(3)->check(CLI::Range(1, 65536));
-    sample->add_option("--bounds", s.bounds, "x0,x1,y0,y1,z0,z1 in metres; without it those of the terrain")->delimiter(',')->expected(6);
+    sample->add_option("--grid", s.grid, "Nodes along x, y and z: NX,NY,NZ")
+        ->required()
+        ->delimiter(',')
+        ->expected(3)
+        ->allow_extra_args(false)
+        ->check(CLI::Range(1, 65536));
+    sample->add_option("--bounds", s.bounds, "x0,x1,y0,y1,z0,z1 in metres; without it those of the terrain")
+        ->delimiter(',')
+        ->expected(6)
+        ->allow_extra_args(false);
     sample->add_option("-o,--output", s.output, "Grid to write (.vdb, .exr or .npy)")->required();
 
     CLI::App* section = add_survey(app, a, "slice", "Draw a vertical section through a terrain");
-    section->add_option("--from", s.from, "x,y where it begins, metres")->required()->delimiter(',')->expected(2);
-    section->add_option("--to", s.to, "x,y where it ends, metres")->required()->delimiter(',')->expected(2);
-    section->add_option("--heights", s.heights, "z0,z1 in metres; without it those of the terrain")->delimiter(',')->expected(2);
+    section->add_option("--from", s.from, "x,y where it begins, metres")->required()->delimiter(',')->expected(2)->allow_extra_args(false);
+    section->add_option("--to", s.to, "x,y where it ends, metres")->required()->delimiter(',')->expected(2)->allow_extra_args(false);
+    section->add_option("--heights", s.heights, "z0,z1 in metres; without it those of the terrain")
+        ->delimiter(',')
+        ->expected(2)
+        ->allow_extra_args(false);
     section->add_option("--columns", s.columns, "Pixels from begin to end")->check(CLI::Range(2, 16384));
 
     CLI::App* contours = add_survey(app, a, "contours", "Draw contours of a terrain as seen from above");

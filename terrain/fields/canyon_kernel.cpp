@@ -12,12 +12,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "terrain/fields/canyon_kernel.cpp"
-#define HWY_DISABLE_PCLMUL_AES
-#ifdef __AVX2__
-#define HWY_DISABLED_TARGETS (~(HWY_AVX2 | HWY_AVX3))
-#else
-#define HWY_DISABLED_TARGETS (~(HWY_SSE4 | HWY_AVX2 | HWY_AVX3))
-#endif
+#include "terrain/isa_kernels.h"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -202,19 +197,7 @@ namespace hoodoo
 
 void canyon_noise(const CanyonLanes& lanes, const CanyonPoints& points, double* values)
 {
-    switch (selected_isa()) {
-        case Isa::avx512:
-            return N_AVX3::noise_of(lanes, points, values);
-        case Isa::avx2:
-            return N_AVX2::noise_of(lanes, points, values);
-        case Isa::sse4:
-#ifndef __AVX2__
-            return N_SSE4::noise_of(lanes, points, values);
-#else
-            break;  // selected_isa() refuses it in this build
-#endif
-    }
-    N_AVX2::noise_of(lanes, points, values);
+    HOODOO_KERNEL(noise_of)(lanes, points, values);
 }
 
 }  // namespace hoodoo

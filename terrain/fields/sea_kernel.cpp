@@ -17,12 +17,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "terrain/fields/sea_kernel.cpp"
-#define HWY_DISABLE_PCLMUL_AES
-#ifdef __AVX2__
-#define HWY_DISABLED_TARGETS (~(HWY_AVX2 | HWY_AVX3))
-#else
-#define HWY_DISABLED_TARGETS (~(HWY_SSE4 | HWY_AVX2 | HWY_AVX3))
-#endif
+#include "terrain/isa_kernels.h"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -261,19 +256,7 @@ namespace hoodoo
 
 void sea_values(const SeaLanes& sea, const SeaPoints& points, double t, double* values)
 {
-    switch (selected_isa()) {
-        case Isa::avx512:
-            return N_AVX3::values_of(sea, points, t, values);
-        case Isa::avx2:
-            return N_AVX2::values_of(sea, points, t, values);
-        case Isa::sse4:
-#ifndef __AVX2__
-            return N_SSE4::values_of(sea, points, t, values);
-#else
-            break;  // selected_isa() refuses it in this build
-#endif
-    }
-    N_AVX2::values_of(sea, points, t, values);
+    HOODOO_KERNEL(values_of)(sea, points, t, values);
 }
 
 }  // namespace hoodoo

@@ -10,12 +10,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "terrain/march/cell_kernel.cpp"
-#define HWY_DISABLE_PCLMUL_AES
-#ifdef __AVX2__
-#define HWY_DISABLED_TARGETS (~(HWY_AVX2 | HWY_AVX3))
-#else
-#define HWY_DISABLED_TARGETS (~(HWY_SSE4 | HWY_AVX2 | HWY_AVX3))
-#endif
+#include "terrain/isa_kernels.h"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -205,20 +200,7 @@ namespace hoodoo
 
 CellFilter cell_filter()
 {
-    switch (selected_isa()) {
-        case Isa::avx512:
-            return {N_AVX3::filter_compact, N_AVX3::filter_wide};
-        case Isa::avx2:
-            return {N_AVX2::filter_compact, N_AVX2::filter_wide};
-#ifndef __AVX2__
-        case Isa::sse4:
-            return {N_SSE4::filter_compact, N_SSE4::filter_wide};
-#else
-        case Isa::sse4:
-            break;  // selected_isa() refuses it in this build
-#endif
-    }
-    return {N_AVX2::filter_compact, N_AVX2::filter_wide};
+    return {HOODOO_KERNEL(filter_compact), HOODOO_KERNEL(filter_wide)};
 }
 
 }  // namespace hoodoo

@@ -7,7 +7,7 @@
 // terrain below. Time is Ray::time between the shutter's ends. Missing: the paper's area test (its mode is the canyon's and the warp's).
 #include "terrain/error.h"
 #include "terrain/field.h"
-#include "terrain/march/field_patches.h"
+#include "terrain/surfaces/marched_surface.h"
 #include "terrain/surfaces/refine.h"
 #include "terrain/surfaces/rows.h"
 #include "terrain/surfaces/sea_parameters.h"
@@ -63,7 +63,7 @@ private:
     double seconds_;
 };
 
-class BreakingWave final : public Surface, private MarchedField
+class BreakingWave final : public MarchedSurface
 {
 public:
     BreakingWave(const SeaDescription& d, const Vec3d& origin, double open, double close)
@@ -78,29 +78,11 @@ public:
     {
     }
 
-    void make_patches(const PatchSettings& settings)
-    {
-        flat_ = settings.flat;
-        accuracy_ = settings.accuracy;
-        size_ = settings.size;
-        patches_ = make_field_patches(*this, settings);
-    }
-    void set_build_seconds(double seconds) { build_seconds_ = seconds; }
     Interval heights() const { return sea_.heights(); }
-
-    std::uint32_t tile_count() const override { return patches_->tile_count(); }
-    std::uint32_t patch_count(std::uint32_t tile) const override { return patches_->patch_count(tile); }
-    Box3d patch_bounds(PatchId patch) const override { return patches_->patch_bounds(patch); }
-    bool intersect(PatchId patch, const Ray& ray, Hit& hit) const override { return patches_->intersect(patch, ray, hit); }
-    bool occluded(PatchId patch, const Ray& ray) const override { return patches_->occluded(patch, ray); }
 
     Interaction interact(const Ray& ray, const Hit& hit) const override
     {
-        Interaction at;
-        at.t = hit.t;
-        at.position = ray.at(hit.t);
-        const double size = std::abs(ray.origin.x) + std::abs(ray.origin.y) + std::abs(ray.origin.z) + hit.t;
-        at.position_error = accuracy_ + 16.0 * 0x1p-52 * size;
+        Interaction at = crossing_at(ray, hit, settings().accuracy);
         const double t = seconds(ray.time);
         double by_time = 0.0;
         Vec3d slope = sea_.gradient(at.position - origin_, t, &by_time);
@@ -110,11 +92,7 @@ public:
         // A pixel covers more of water seen at a slant; ten times its width at most.
         const double slant = std::max(0.1, std::abs(at.geometric_normal.dot(ray.direction)));
         wear(t, ray.footprint(hit.t) / slant, at);
-
-        // Doubled until the sea says air for certain.
-        at.spawn_offset = 2.0 * at.position_error;
-        while (at.spawn_offset < size_ && !(value(at.position + at.geometric_normal * at.spawn_offset, ray.time) > 2.0 * flat_))
-            at.spawn_offset *= 2.0;
+        at.spawn_offset = air_above(at, ray.time);
         return at;
     }
 
@@ -128,9 +106,7 @@ public:
     SurfaceInfo info() const override
     {
         SurfaceInfo info;
-        info.trace_bytes = patches_->memory_bytes();
-        for (std::uint32_t t = 0; t < patches_->tile_count(); ++t) info.patches += patches_->patch_count(t);
-        info.build_seconds = build_seconds_;
+        add_patches(info);
         return info;
     }
 
@@ -182,9 +158,6 @@ private:
     SeaField field_;
     SeaFoam foam_;
     bool sprays_;
-    double flat_ = 0.0, accuracy_ = 0.0, size_ = 1.0;
-    std::unique_ptr<const FieldIntersector> patches_;
-    double build_seconds_ = 0.0;
 };
 
 Shape make_breaking_wave(const Values& values, const BuildContext& context)

@@ -7,7 +7,7 @@
 // lifts layers and plateau by a noise of the plan.
 #include "terrain/error.h"
 #include "terrain/fields/canyon.h"
-#include "terrain/march/field_patches.h"
+#include "terrain/surfaces/marched_surface.h"
 #include "terrain/math/hash.h"
 #include "terrain/surfaces/patch_parameters.h"
 #include "terrain/surfaces/rows.h"
@@ -156,11 +156,7 @@ public:
 
     Interaction interact(const Ray& ray, const Hit& hit) const override
     {
-        Interaction at;
-        at.t = hit.t;
-        at.position = ray.at(hit.t);
-        const double size = std::abs(ray.origin.x) + std::abs(ray.origin.y) + std::abs(ray.origin.z) + hit.t;
-        at.position_error = accuracy_ + 64.0 * 0x1p-52 * size;
+        Interaction at = crossing_at(ray, hit, accuracy_);
         const auto part = static_cast<std::size_t>(&body_of(hit.patch.tile) - bodies_.data());
         at.geometric_normal = part == 0   ? field_.wall().gradient(at.position)
                               : part == 1 ? field_.plateau_gradient(at.position)
@@ -168,8 +164,7 @@ public:
         if (!(at.geometric_normal.length() > 1e-12)) at.geometric_normal = Vec3d(0, 0, 1);
         at.geometric_normal.normalize();
         paint(part, at);
-        at.spawn_offset = 2.0 * at.position_error;
-        while (at.spawn_offset < size_ && !(field_.value(at.position + at.geometric_normal * at.spawn_offset) > 2.0 * flat_)) at.spawn_offset *= 2.0;
+        at.spawn_offset = offset_into_air(at, size_, flat_, [&](const Vec3d& p) { return field_.value(p); });
         return at;
     }
 

@@ -5,6 +5,7 @@
 #include "terrain/surfaces/height_surface.h"
 
 #include "terrain/catalogue.h"
+#include "terrain/surfaces/marched_surface.h"
 
 #include <algorithm>
 #include <chrono>
@@ -15,7 +16,7 @@ namespace hoodoo
 namespace
 {
 
-class HeightSurface final : public Surface, private MarchedField
+class HeightSurface final : public MarchedSurface
 {
 public:
     HeightSurface(std::unique_ptr<const Height> height, const HeightSurfaceSettings& settings)
@@ -30,29 +31,17 @@ public:
         patches.size = settings.patch;
         patches.growth = settings.growth;
         patches.focus = Vec3d(settings.focus.x, settings.focus.y, 0.0);
-        patches.accuracy = accuracy_ = 1e-8 * settings.patch;
-        patches.flat = flat_ = 1e-9 * settings.patch;
-        patches_ = make_field_patches(*this, patches);
-        build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        patches.accuracy = 1e-8 * settings.patch;
+        patches.flat = 1e-9 * settings.patch;
+        make_patches(patches);
+        set_build_seconds(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }
-
-    std::uint32_t tile_count() const override { return patches_->tile_count(); }
-    std::uint32_t patch_count(std::uint32_t tile) const override { return patches_->patch_count(tile); }
-    Box3d patch_bounds(PatchId patch) const override { return patches_->patch_bounds(patch); }
-    bool intersect(PatchId patch, const Ray& ray, Hit& hit) const override { return patches_->intersect(patch, ray, hit); }
-    bool occluded(PatchId patch, const Ray& ray) const override { return patches_->occluded(patch, ray); }
 
     Interaction interact(const Ray& ray, const Hit& hit) const override
     {
-        Interaction at;
-        at.t = hit.t;
-        at.position = ray.at(hit.t);
-        const double size = std::abs(ray.origin.x) + std::abs(ray.origin.y) + std::abs(ray.origin.z) + hit.t;
-        at.position_error = accuracy_ + 64.0 * 0x1p-52 * size;
+        Interaction at = crossing_at(ray, hit, settings().accuracy);
         at.geometric_normal = field_.gradient(at.position).normalized();
-        at.spawn_offset = 2.0 * at.position_error;
-        while (at.spawn_offset < settings_.patch && !(field_.value(at.position + at.geometric_normal * at.spawn_offset) > 2.0 * flat_))
-            at.spawn_offset *= 2.0;
+        at.spawn_offset = air_above(at, ray.time);
         dress(at);
         return at;
     }
@@ -74,9 +63,8 @@ public:
     SurfaceInfo info() const override
     {
         SurfaceInfo info;
-        info.trace_bytes = patches_->memory_bytes() + settings_.stored_bytes;
-        for (std::uint32_t t = 0; t < patches_->tile_count(); ++t) info.patches += patches_->patch_count(t);
-        info.build_seconds = build_seconds_;
+        info.trace_bytes = settings_.stored_bytes;
+        add_patches(info);
         return info;
     }
 
@@ -102,8 +90,6 @@ private:
     std::unique_ptr<const Height> height_;
     HeightAsField field_;
     HeightSurfaceSettings settings_;
-    double accuracy_ = 0.0, flat_ = 0.0, build_seconds_ = 0.0;
-    std::unique_ptr<const FieldIntersector> patches_;
 };
 
 }  // namespace

@@ -5,8 +5,8 @@
 // it keeps its own looks, shading normal included. What is traced is the tree's own box; a terrain without an end is cut off at the sides of its
 // rectangle, and below whatever carves it. Deviation: distances, not potentials, are combined. Missing: motion; level of detail.
 #include "terrain/error.h"
-#include "terrain/march/field_patches.h"
 #include "terrain/surfaces/implicit_nodes.h"
+#include "terrain/surfaces/marched_surface.h"
 #include "terrain/surfaces/refine.h"
 #include "terrain/surfaces/rows.h"
 
@@ -21,7 +21,7 @@ namespace hoodoo
 namespace
 {
 
-class ImplicitSurface final : public Surface, private MarchedField
+class ImplicitSurface final : public MarchedSurface
 {
 public:
     ImplicitSurface(ImplicitTree tree, std::string material, bool closed) : tree_(std::move(tree)), closed_(closed)
@@ -40,35 +40,16 @@ public:
         }
     }
 
-    void make_patches(const PatchSettings& settings)
-    {
-        settings_ = settings;
-        patches_ = make_field_patches(*this, settings);
-    }
-    void set_build_seconds(double seconds) { build_seconds_ = seconds; }
     std::size_t material_count() const { return names_.size(); }
-
-    std::uint32_t tile_count() const override { return patches_->tile_count(); }
-    std::uint32_t patch_count(std::uint32_t tile) const override { return patches_->patch_count(tile); }
-    Box3d patch_bounds(PatchId patch) const override { return patches_->patch_bounds(patch); }
-    bool intersect(PatchId patch, const Ray& ray, Hit& hit) const override { return patches_->intersect(patch, ray, hit); }
-    bool occluded(PatchId patch, const Ray& ray) const override { return patches_->occluded(patch, ray); }
 
     Interaction interact(const Ray& ray, const Hit& hit) const override
     {
-        Interaction at;
-        at.t = hit.t;
-        at.position = ray.at(hit.t);
-        const double size = std::abs(ray.origin.x) + std::abs(ray.origin.y) + std::abs(ray.origin.z) + hit.t;
-        at.position_error = settings_.accuracy + 16.0 * 0x1p-52 * size;
+        Interaction at = crossing_at(ray, hit, settings().accuracy);
         at.geometric_normal = tree_.root->gradient(at.position);
         if (!(at.geometric_normal.length() > 1e-12)) at.geometric_normal = -ray.direction;
         at.geometric_normal.normalize();
         dress(at);
-        // Doubled until the field says air for certain.
-        at.spawn_offset = 2.0 * at.position_error;
-        while (at.spawn_offset < settings_.size && !(tree_.root->value(at.position + at.geometric_normal * at.spawn_offset) > 2.0 * settings_.flat))
-            at.spawn_offset *= 2.0;
+        at.spawn_offset = air_above(at, ray.time);
         return at;
     }
 
@@ -99,7 +80,7 @@ public:
         for (const std::size_t m : order) at.materials.add(static_cast<std::uint8_t>(m), static_cast<float>(weights[m] / kept));
     }
 
-    bool contains(const Vec3d& p) const override { return tree_.root->value(p) <= 0.0 && settings_.domain.intersects(p); }
+    bool contains(const Vec3d& p) const override { return tree_.root->value(p) <= 0.0 && settings().domain.intersects(p); }
     std::vector<std::string> materials() const override { return names_; }
     bool closed() const override { return closed_; }
     const Field* field() const override { return tree_.root.get(); }
@@ -114,9 +95,7 @@ public:
             info.stack_bytes += own.stack_bytes;
             info.trace_bytes += own.trace_bytes;
         }
-        info.trace_bytes += patches_->memory_bytes();
-        for (std::uint32_t t = 0; t < patches_->tile_count(); ++t) info.patches += patches_->patch_count(t);
-        info.build_seconds = build_seconds_;
+        add_patches(info);
         return info;
     }
 
@@ -149,9 +128,6 @@ private:
     std::vector<std::string> names_;
     std::vector<std::uint8_t> own_;
     std::vector<std::vector<std::uint8_t>> theirs_;
-    PatchSettings settings_;
-    std::unique_ptr<const FieldIntersector> patches_;
-    double build_seconds_ = 0.0;
 };
 
 /// Where the tree's surface can be, in a finite box: what is endless ends with the terrains' patches across, and below what carves them.

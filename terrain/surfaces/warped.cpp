@@ -9,8 +9,8 @@
 #include "terrain/error.h"
 #include "terrain/field.h"
 #include "terrain/fields/warped_field.h"
-#include "terrain/march/field_patches.h"
 #include "terrain/surfaces/flow_tables.h"
+#include "terrain/surfaces/marched_surface.h"
 #include "terrain/surfaces/patch_parameters.h"
 #include "terrain/surfaces/refine.h"
 #include "terrain/surfaces/rows.h"
@@ -36,7 +36,7 @@ Box3d bounds_of(const Surface& surface)
     return {box.min - pad, box.max + pad};
 }
 
-class WarpedSurface final : public Surface, private MarchedField
+class WarpedSurface final : public MarchedSurface
 {
 public:
     WarpedSurface(std::shared_ptr<const Surface> base, Warp warp, Interval intensity)
@@ -48,15 +48,6 @@ public:
           ground_(bounds_of(*base_))
     {
     }
-
-    void make_patches(const PatchSettings& settings)
-    {
-        flat_ = settings.flat;
-        accuracy_ = settings.accuracy;
-        size_ = settings.size;
-        patches_ = make_field_patches(*this, settings);
-    }
-    void set_build_seconds(double seconds) { build_seconds_ = seconds; }
 
     /// The rocks that lie on the base go with it, each as a whole, to where the middle of its cell is carried when the shutter opens.
     void carry_rocks()
@@ -75,19 +66,9 @@ public:
         return {ground_.min - Vec3d(reach), ground_.max + Vec3d(reach)};
     }
 
-    std::uint32_t tile_count() const override { return patches_->tile_count(); }
-    std::uint32_t patch_count(std::uint32_t tile) const override { return patches_->patch_count(tile); }
-    Box3d patch_bounds(PatchId patch) const override { return patches_->patch_bounds(patch); }
-    bool intersect(PatchId patch, const Ray& ray, Hit& hit) const override { return patches_->intersect(patch, ray, hit); }
-    bool occluded(PatchId patch, const Ray& ray) const override { return patches_->occluded(patch, ray); }
-
     Interaction interact(const Ray& ray, const Hit& hit) const override
     {
-        Interaction at;
-        at.t = hit.t;
-        at.position = ray.at(hit.t);
-        const double size = std::abs(ray.origin.x) + std::abs(ray.origin.y) + std::abs(ray.origin.z) + hit.t;
-        at.position_error = accuracy_ + 16.0 * 0x1p-52 * size;
+        Interaction at = crossing_at(ray, hit, settings().accuracy);
         const double duration = duration_at(ray.time);
         const Carried rest = field_.warp().inverse_with_jacobian(at.position, duration);
         const Vec3d slope = field_.base().gradient(rest.point);
@@ -96,11 +77,7 @@ public:
         at.geometric_normal.normalize();
 
         wear(rest, slope, at);
-
-        // Doubled until the field says air for certain.
-        at.spawn_offset = 2.0 * at.position_error;
-        while (at.spawn_offset < size_ && !(field_.value(at.position + at.geometric_normal * at.spawn_offset, duration) > 2.0 * flat_))
-            at.spawn_offset *= 2.0;
+        at.spawn_offset = air_above(at, ray.time);
         return at;
     }
 
@@ -119,10 +96,8 @@ public:
     SurfaceInfo info() const override
     {
         SurfaceInfo info = base_->info();
-        info.trace_bytes += patches_->memory_bytes();
         info.patches = 0;
-        for (std::uint32_t t = 0; t < patches_->tile_count(); ++t) info.patches += patches_->patch_count(t);
-        info.build_seconds += build_seconds_;
+        add_patches(info);
         return info;
     }
 
@@ -160,7 +135,7 @@ private:
 
     Vec3d differences(const Vec3d& p, double duration) const
     {
-        const double h = 1e-4 * size_;
+        const double h = 1e-4 * settings().size;
         Vec3d g;
         for (int k = 0; k < 3; ++k) {
             Vec3d step(0.0);
@@ -175,10 +150,7 @@ private:
     WarpedField field_;
     double open_, close_;
     Box3d ground_;
-    double flat_ = 0.0, accuracy_ = 0.0, size_ = 1.0;
-    std::unique_ptr<const FieldIntersector> patches_;
     Instances rocks_;
-    double build_seconds_ = 0.0;
 };
 
 std::shared_ptr<const Surface> base_of(const Values& values, const BuildContext& context)

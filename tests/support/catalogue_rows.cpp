@@ -5,132 +5,16 @@
 #include "renderer/scene/toml_text.h"
 #include "terrain/math/hash.h"
 #include "tests/support/mesh_surface.h"
+#include "tests/support/terrain_files.h"
 
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <unistd.h>
 
 namespace hoodoo::testing
 {
 namespace
 {
-
-/// A lumpy closed body of 320 triangles, written as PLY once a process.
-const std::string& mesh_path()
-{
-    static const std::string path = [] {
-        // An icosahedron, each face split in four, twice; then pushed in and out by a hash of the direction.
-        const double g = 0.5 * (1.0 + std::sqrt(5.0));
-        std::vector<Vec3d> v{{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
-                             {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
-        std::vector<std::array<int, 3>> f{{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                                          {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-                                          {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
-        for (int level = 0; level < 2; ++level) {
-            std::vector<std::array<int, 3>> finer;
-            std::map<std::pair<int, int>, int> middles;
-            const auto middle = [&](int a, int b) {
-                const auto [at, fresh] = middles.try_emplace(std::minmax(a, b), static_cast<int>(v.size()));
-                if (fresh) v.push_back((v[static_cast<std::size_t>(a)] + v[static_cast<std::size_t>(b)]) * 0.5);
-                return at->second;
-            };
-            for (const auto& [a, b, c] : f) {
-                const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-                finer.insert(finer.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
-            }
-            f = std::move(finer);
-        }
-        const std::filesystem::path file = std::filesystem::temp_directory_path() / fmt::format("hoodoo_law_mesh_{}.ply", ::getpid());
-        std::ofstream out(file);
-        out << "ply\nformat ascii 1.0\nelement vertex " << v.size() << "\nproperty float x\nproperty float y\nproperty float z\nelement face "
-            << f.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
-        for (std::size_t k = 0; k < v.size(); ++k) {
-            const Vec3d p = v[k].normalized() * (4.0 + unit_real(hash_cell(5, static_cast<std::int64_t>(k), 0)));
-            out << static_cast<float>(p.x) << ' ' << static_cast<float>(p.y) << ' ' << static_cast<float>(p.z) << '\n';
-        }
-        for (const auto& [a, b, c] : f) out << "3 " << a << ' ' << b << ' ' << c << '\n';
-        return file.string();
-    }();
-    return path;
-}
-
-/// 13 x 12 x 11 densities of a knotted body with a hole, one number in nine exactly at the surface's level; written as .npy once a process.
-const std::string& voxel_path()
-{
-    static const std::string path = [] {
-        const std::filesystem::path file = std::filesystem::temp_directory_path() / fmt::format("hoodoo_law_voxels_{}.npy", ::getpid());
-        std::ofstream out(file, std::ios::binary);
-        std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (13, 12, 11), }";
-        header.resize(117, ' ');
-        header += '\n';
-        out << std::string("\x93NUMPY\x01\x00", 8) << static_cast<char>(header.size()) << '\0' << header;
-        for (int i = 0; i < 13; ++i)
-            for (int j = 0; j < 12; ++j)
-                for (int k = 0; k < 11; ++k) {
-                    const double x = i - 6.0, y = j - 5.5, z = k - 5.0, ring = std::hypot(std::hypot(x, y) - 3.5, z) - 1.8;
-                    const double wave = 0.5 * std::sin(1.3 * x) * std::cos(1.1 * y + 0.7 * z);
-                    auto value = static_cast<float>(std::clamp(0.5 - 0.4 * (ring + wave), 0.0, 1.0));
-                    if ((i * 7 + j * 5 + k * 3) % 9 == 0 && std::abs(value - 0.5f) < 0.3f) value = 0.5f;
-                    out.write(reinterpret_cast<const char*>(&value), sizeof value);
-                }
-        return file.string();
-    }();
-    return path;
-}
-
-/// Rugged heights of 37 x 43 samples in 16 bits, with walls and a plateau, written as TIFF once a process.
-const std::string& heights_path()
-{
-    static const std::string path = [] {
-        const std::filesystem::path file = std::filesystem::temp_directory_path() / fmt::format("hoodoo_law_heights_{}.tif", ::getpid());
-        OIIO::ImageSpec spec(37, 43, 1, OIIO::TypeDesc::UINT16);
-        std::vector<std::uint16_t> samples;
-        for (int row = 0; row < spec.height; ++row) {
-            for (int column = 0; column < spec.width; ++column) {
-                const double wave = std::sin(0.4 * column) * std::cos(0.33 * row), noise = unit_real(hash_cell(6, column, row));
-                samples.push_back(static_cast<std::uint16_t>(column > 20 && row > 25 ? 40000 : 20000 + 9000 * wave + 5000 * noise));
-            }
-        }
-        const auto out = OIIO::ImageOutput::create(file.string());
-        out->open(file.string(), spec);
-        out->write_image(OIIO::TypeDesc::UINT16, samples.data());
-        out->close();
-        return file.string();
-    }();
-    return path;
-}
-
-/// Bedrock with hills, drifts of sand and two ponds over 37 x 29 columns; one archive a layer, written once a process.
-const std::string& layer_path(const std::string& layer)
-{
-    static const std::map<std::string, std::string> paths = [] {
-        std::map<std::string, std::string> made;
-        std::vector<float> bedrock, sand, water;
-        for (int row = 0; row < 29; ++row) {
-            for (int column = 0; column < 37; ++column) {
-                const double rock = 2.0 + 1.2 * std::sin(0.35 * column) * std::cos(0.4 * row) + 0.4 * unit_real(hash_cell(7, column, row));
-                const double drift = std::max(0.0, 0.5 * std::sin(0.9 * column + 0.3 * row)), level = column < 18 ? 1.7 : 2.1;
-                bedrock.push_back(static_cast<float>(rock));
-                sand.push_back(static_cast<float>(drift));
-                water.push_back(std::max(0.0f, static_cast<float>(level) - bedrock.back() - sand.back()));
-            }
-        }
-        for (const auto& [name, numbers] : {std::pair("bedrock", bedrock), std::pair("sand", sand), std::pair("water", water)}) {
-            made[name] = (std::filesystem::temp_directory_path() / fmt::format("hoodoo_law_{}_{}.exr", name, ::getpid())).string();
-            OIIO::ImageSpec spec(37, 29, 1, OIIO::TypeDesc::FLOAT);
-            const auto out = OIIO::ImageOutput::create(made[name]);
-            out->open(made[name], spec);
-            out->write_image(OIIO::TypeDesc::FLOAT, numbers.data());
-            out->close();
-        }
-        return made;
-    }();
-    return paths.at(layer);
-}
 
 /// Layers without water, or with it.
 std::string small_layers(const Vec3d& s, const std::string& more)
@@ -165,13 +49,16 @@ std::string carved_block(const Vec3d& shift, const std::string& more)
         vector_text(shift), more, at(-1, 2.6, 2.2), at(8, 3.4, 2.4), at(5.5, 4.8, 4.6), at(1.6, -1, 4.4), at(2.2, 7, 4.8));
 }
 
+/// One node of a tree.
+std::string node(const std::string& name, const std::string& kind, const std::string& rest)
+{
+    return fmt::format("[[node]]\nname = \"{}\"\nkind = \"{}\"\n{}\n", name, kind, rest);
+}
+
 /// Every primitive and every operator once. Moved as a whole.
 std::string every_node(const Vec3d& shift)
 {
     const auto at = [&](double x, double y, double z) { return vector_text(Vec3d(x, y, z) + shift); };
-    const auto node = [](const std::string& name, const std::string& kind, const std::string& rest) {
-        return fmt::format("[[node]]\nname = \"{}\"\nkind = \"{}\"\n{}\n", name, kind, rest);
-    };
     return "patch = 0.4\n" + node("ball", "point", fmt::format("at = {}\nradius = 1.3", at(0, 0, 1))) +
            node("bar", "segment", fmt::format("points = [{}, {}]\nradius = [0.9, 0.4]\nmaterial = \"sand\"", at(-2, 0.3, 0.2), at(2.5, 0.8, 0.6))) +
            node("snake", "curve",
@@ -193,11 +80,6 @@ std::string every_node(const Vec3d& shift)
            node("all", "union", "of = [\"rough\", \"lens\", \"star\"]") + node("solid", "difference", "of = [\"all\", \"tunnel\"]\nwidth = 0.05");
 }
 
-std::string land_node(const std::string& name, const std::string& kind, const std::string& rest)
-{
-    return fmt::format("[[node]]\nname = \"{}\"\nkind = \"{}\"\n{}\n", name, kind, rest);
-}
-
 std::string land_area(const Vec3d& shift)
 {
     return fmt::format("centre = [{:.17g}, {:.17g}]\nextent = 6.0\npatch = 0.5\ngrowth = 0.0\n", shift.x, shift.y);
@@ -206,7 +88,6 @@ std::string land_area(const Vec3d& shift)
 /// Every landform and every operator, the tree moved as a whole by its own last node.
 std::string every_landform(const Vec3d& shift)
 {
-    const auto node = land_node;
     return land_area(shift) + node("plain", "flat", "height = 0.5") +
            node("hills", "noise", "noise = \"billow\"\nrelief = 0.6\nwavelength = 3.0\noctaves = 3") +
            node("moor", "noise", "relief = 0.8\nwavelength = 2.0\noctaves = 2\nheight = 1.0\nat = [-3, 3]\nradius = 2.5\ncore = 0.5\npower = 2") +
@@ -231,12 +112,11 @@ std::string landforms_on(const std::string& base, const Vec3d& shift)
 {
     const auto at = [&](double x, double y, double z) { return vector_text(Vec3d(x, y, z) + shift); };
     return fmt::format("centre = [{:.17g}, {:.17g}]\nextent = 7.0\npatch = 0.5\ngrowth = 0.0\n", shift.x + 8, shift.y + 8) +
-           land_node("ground", "terrain", fmt::format("terrain = \"{}\"", base)) +
-           land_node("road", "curve", fmt::format("points = [{}, {}, {}]\nradius = 1.5\ncore = 0.6", at(2, 3, 5), at(8, 9, 6), at(14, 8, 4))) +
-           land_node("cone", "point", fmt::format("at = {}\nradius = 3.0\nprofile = [0, 3, 3, 0]\nsharp = true", at(11, 12, 4))) +
-           land_node("lip", "point", fmt::format("at = {}\nradius = 1.0", at(11, 12, 5.5))) +
-           land_node("crater", "inset", "of = [\"cone\", \"lip\"]") + land_node("land", "max", "of = [\"ground\", \"crater\"]") +
-           land_node("top", "replace", "of = [\"land\", \"road\"]");
+           node("ground", "terrain", fmt::format("terrain = \"{}\"", base)) +
+           node("road", "curve", fmt::format("points = [{}, {}, {}]\nradius = 1.5\ncore = 0.6", at(2, 3, 5), at(8, 9, 6), at(14, 8, 4))) +
+           node("cone", "point", fmt::format("at = {}\nradius = 3.0\nprofile = [0, 3, 3, 0]\nsharp = true", at(11, 12, 4))) +
+           node("lip", "point", fmt::format("at = {}\nradius = 1.0", at(11, 12, 5.5))) + node("crater", "inset", "of = [\"cone\", \"lip\"]") +
+           node("land", "max", "of = [\"ground\", \"crater\"]") + node("top", "replace", "of = [\"land\", \"road\"]");
 }
 
 /// The carved block with a cave through its wall. Moved as a whole.
