@@ -107,28 +107,50 @@ private:
 
     Here nearest(const Vec3d& p) const
     {
+        // The piece whose box is nearest first, so that most of the others are far from it and need only a look at their planes.
+        std::size_t first = 0;
+        double least = kInfinity;
+        for (std::size_t n = 0; n < prisms_.size() && least > 0.0; ++n) {
+            const double bound = at_least(prisms_[n], p);
+            if (bound < least) least = bound, first = n;
+        }
         Here best{kInfinity, Vec3d(0.0), 0.0};
         double second = kInfinity;
-        for (const Prism& prism : prisms_) {
-            // In air a prism is at least as far as its box, which its walls and planes alone would not say.
-            const Vec3d near(std::clamp(p.x, prism.box.min.x, prism.box.max.x), std::clamp(p.y, prism.box.min.y, prism.box.max.y),
-                             std::clamp(p.z, prism.box.min.z, prism.box.max.z));
-            const double away = (p - near).length();
-            if (away > 0.0 && away > best.value) {
-                second = std::min(second, away);
-                continue;
-            }
-            Here here = in_prism(prism, p);
-            // The box says nothing within itself; beyond, it may take over as soon as the two are near.
-            double inside = kInfinity;
-            for (int k = 0; k < 3; ++k) inside = std::min({inside, p[k] - prism.box.min[k], prism.box.max[k] - p[k]});
-            here.margin = std::min(here.margin, std::max(inside, 0.5 * (here.value - away) / slope_));
-            if (away > 0.0 && away > here.value) here = {away, (p - near) / away, 0.0};
-            second = std::min(second, std::max(here.value, best.value));
-            if (here.value < best.value) best = here;
+        take(prisms_[first], p, best, second);
+        for (std::size_t n = 0; n < prisms_.size(); ++n) {
+            if (n != first) take(prisms_[n], p, best, second);
         }
         best.margin = std::min(best.margin, (second - best.value) / (2.0 * slope_));
         return best;
+    }
+
+    /// No more than the value of the piece at `p`: it is a maximum with its end planes, and in air at least the distance to its box.
+    static double at_least(const Prism& prism, const Vec3d& p)
+    {
+        const double ends = std::max((p - prism.from).dot(prism.enter), (p - prism.to).dot(prism.leave)), away = distance_to_box(p, prism.box);
+        return away > 0.0 ? std::max(ends, away) : ends;
+    }
+
+    /// Counts a piece in; `second` stays at most the value of every piece but the best.
+    void take(const Prism& prism, const Vec3d& p, Here& best, double& second) const
+    {
+        const double bound = at_least(prism, p);
+        if (bound > best.value) {
+            second = std::min(second, bound);
+            return;
+        }
+        // In air a prism is at least as far as its box, which its walls and planes alone would not say.
+        const Vec3d near(std::clamp(p.x, prism.box.min.x, prism.box.max.x), std::clamp(p.y, prism.box.min.y, prism.box.max.y),
+                         std::clamp(p.z, prism.box.min.z, prism.box.max.z));
+        const double away = (p - near).length();
+        Here here = in_prism(prism, p);
+        // The box says nothing within itself; beyond, it may take over as soon as the two are near.
+        double inside = kInfinity;
+        for (int k = 0; k < 3; ++k) inside = std::min({inside, p[k] - prism.box.min[k], prism.box.max[k] - p[k]});
+        here.margin = std::min(here.margin, std::max(inside, 0.5 * (here.value - away) / slope_));
+        if (away > 0.0 && away > here.value) here = {away, (p - near) / away, 0.0};
+        second = std::min(second, std::max(here.value, best.value));
+        if (here.value < best.value) best = here;
     }
 
     std::vector<Prism> prisms_;
