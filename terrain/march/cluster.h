@@ -3,6 +3,7 @@
 
 #include "terrain/march/profiles.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -47,7 +48,7 @@ struct GradientCone {
     bool rejects(const float d[3]) const
     {
         float least = 0.0f;
-        for (int k = 0; k < 3; ++k) least += d[k] * static_cast<float>(d[k] > 0.0f ? lo[k] : hi[k]);
+        for (int k = 0; k < 3; ++k) least += std::min(d[k] * static_cast<float>(lo[k]), d[k] * static_cast<float>(hi[k]));
         return least >= 0.0f;
     }
 };

@@ -142,6 +142,13 @@ private:
         return make_clusters(lattice_, a0, b0, chains);
     }
 
+    /// Whether the cells of a cluster and their neighbours lie in the domain as a whole, so that nothing is cut off them.
+    bool inside(const CellTile& tile, int x0, int y0) const
+    {
+        const double x = tile.a0 + x0, y = tile.b0 + y0;
+        return x - 1.0 >= domain_lo_.x && x + 5.0 <= domain_hi_.x && y - 1.0 >= domain_lo_.y && y + 5.0 <= domain_hi_.y;
+    }
+
     /// Nearest crossing before `t`, or just any if `any`.
     bool find(PatchId patch, const Ray& ray, double& t, std::uint32_t& evaluations, bool any) const
     {
@@ -181,6 +188,11 @@ private:
         f.t_hi = static_cast<float>(std::min(t - t_ref + widen, 1e30));
         f.tolerance = tolerance_;
         f.entering = entering;
+        f.t_sure_lo = 1.0f, f.t_sure_hi = 0.0f;
+        if (any && entering && inside(tile, static_cast<int>(x0), static_cast<int>(y0))) {
+            f.t_sure_lo = static_cast<float>(std::max(ray.t_min - t_ref + widen, -1e30));
+            f.t_sure_hi = static_cast<float>(std::min(t - t_ref - widen, 1e30));
+        }
 
         alignas(64) float t_in[16];
         int met = 0;
@@ -188,6 +200,7 @@ private:
             compact ? filter_.compact(tile.compact[i], f, t_in, met) : filter_.wide(tile.wide[i - tile.compact.size()], z0, f, t_in, met);
         evaluations += 2u * static_cast<std::uint32_t>(met);
         if (lanes == 0) return false;
+        if (lanes & kCertain) return true;
 
         exact.inverse = Vec3d(1.0 / exact.direction.x, 1.0 / exact.direction.y, 1.0 / exact.direction.z);
         exact.domain_lo = domain_lo_ - Vec2d(tile.a0, tile.b0), exact.domain_hi = domain_hi_ - Vec2d(tile.a0, tile.b0);

@@ -1,6 +1,7 @@
 // Embree alone, without a wrapper: the baseline of what rays cost; its memory; and the rays that benchmarks send.
 #pragma once
 
+#include "terrain/isa.h"
 #include "terrain/math/hash.h"
 #include "terrain/shape.h"
 #include "tests/support/terrains.h"
@@ -25,7 +26,7 @@ inline double seconds_since(std::chrono::steady_clock::time_point start)
 class Device
 {
 public:
-    Device() : device_(rtcNewDevice(nullptr)) { rtcSetDeviceMemoryMonitorFunction(device_, count, &bytes_); }
+    Device() : device_(rtcNewDevice(embree_isa_option(selected_isa()))) { rtcSetDeviceMemoryMonitorFunction(device_, count, &bytes_); }
     ~Device() { rtcReleaseDevice(device_); }
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
