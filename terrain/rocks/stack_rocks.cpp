@@ -147,7 +147,7 @@ bool StackRocks::ground(const Vec3d& p) const
     return false;
 }
 
-bool StackRocks::column_has_air(int i, int j, double low, double high) const
+bool StackRocks::column_has_air(int i, int j, double z, double within2) const
 {
     const Vec2i n = stack_->size();
     if (i < 0 || j < 0 || i >= n.x || j >= n.y) {
@@ -157,28 +157,33 @@ bool StackRocks::column_has_air(int i, int j, double low, double high) const
     std::int32_t below = 0;
     for (const std::uint16_t word : stack_->words(i, j)) {
         const std::int32_t top = MaterialStack::top_of(word);
-        if (below >= high) return false;
-        if (top > low && is_open(MaterialStack::material_of(word))) return true;
+        if (is_open(MaterialStack::material_of(word))) {
+            const double away = std::max({0.0, below - z, z - top});
+            if (away * away < within2) return true;
+        }
         below = top;
     }
-    return high > below;
+    const double away = std::max(0.0, below - z);
+    return away * away < within2;
 }
 
 bool StackRocks::air_within(const Vec3d& p, double distance) const
 {
     const Vec3d q = p - stack_->origin();
-    const double cell = stack_->cell(), unit = stack_->unit(), z = q.z / unit;
+    const double cell = stack_->cell(), unit = stack_->unit(), z = q.z / unit, per_unit2 = 1.0 / (unit * unit);
     const Vec2i own = column_of(p);
-    const auto gap = [&](double x, int k) { return std::max({0.0, k * cell - x, x - (k + 1) * cell}); };
+    const auto gap2 = [&](double x, int k) {
+        const double gap = std::max({0.0, k * cell - x, x - (k + 1) * cell});
+        return gap * gap;
+    };
     const int rings = static_cast<int>(std::ceil(distance / cell));
     for (int ring = 0; ring <= rings; ++ring) {
         for (int j = own.y - ring; j <= own.y + ring; ++j) {
+            const double left = distance * distance - gap2(q.y, j);
             const bool whole_row = j == own.y - ring || j == own.y + ring;
             for (int i = own.x - ring; i <= own.x + ring; i += whole_row || ring == 0 ? 1 : 2 * ring) {
-                const double dx = gap(q.x, i), dy = gap(q.y, j), left = distance * distance - dx * dx - dy * dy;
-                if (!(left > 0.0)) continue;
-                const double half = std::sqrt(left) / unit;
-                if (column_has_air(i, j, z - half, z + half)) return true;
+                const double within2 = (left - gap2(q.x, i)) * per_unit2;
+                if (within2 > 0.0 && column_has_air(i, j, z, within2)) return true;
             }
         }
     }

@@ -30,7 +30,8 @@ private:
     };
     Block look(int i0, int i1, int j0, int j1) const;
     void look_at_block(std::size_t index);
-    bool column_has_air(int i, int j, double low, double high) const;
+    /// Within sqrt(within2) of height z; all in units.
+    bool column_has_air(int i, int j, double z, double within2) const;
     Vec2i column_of(const Vec3d& p) const;
 
     std::shared_ptr<const MaterialStack> stack_;
