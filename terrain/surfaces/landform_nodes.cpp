@@ -4,6 +4,7 @@
 
 #include "terrain/error.h"
 #include "terrain/fields/elevation.h"
+#include "terrain/fields/terrain_dictionary.h"
 #include "terrain/math/hash.h"
 #include "terrain/surfaces/landform_schemas.h"
 #include "terrain/surfaces/noise_parameters.h"
@@ -45,6 +46,8 @@ Section read_section(const Values& v)
     return section;
 }
 
+constexpr int kMostPatches = 1 << 20;
+
 class Builder final : private NodeTables<Landform>
 {
 public:
@@ -68,6 +71,7 @@ private:
         if (kind == "noise") return noise(v, name);
         if (kind == "terrain") return terrain(v);
         if (kind == "point" || kind == "segment" || kind == "curve") return path(v, name);
+        if (kind == "dictionary") return dictionary(v);
         if (kind == "blend") return blend(v);
         if (kind == "warp") return warp(v, name);
         if (kind == "move") return landform_move(part(v), v.number("scale"), v.number("turn"), v.vec3("shift"));
@@ -86,16 +90,67 @@ private:
         return landform_disc(std::move(height), v.vec2("at"), read_falloff(v));
     }
 
+    /// The surface that a parameter names, if it is a height.
+    std::shared_ptr<const Surface> other(const Values& v, const std::string& key) const
+    {
+        const std::string& name = v.text(key);
+        if (!context_.base) throw v.problem(key, "there is no other terrain to stand on", "the name of a terrain", '"' + name + '"');
+        std::shared_ptr<const Surface> base = context_.base(name, v.where(key));
+        if (!base->height())
+            throw v.problem(key, "landforms cannot stand on this terrain: it is no height", "a terrain with one height over each point",
+                            '"' + name + '"');
+        return base;
+    }
+
     LandformPtr terrain(const Values& v)
     {
-        const std::string& name = v.text("terrain");
-        if (!context_.base) throw v.problem("terrain", "there is no other terrain to stand on", "the name of a terrain", '"' + name + '"');
-        const std::shared_ptr<const Surface> base = context_.base(name, v.where("terrain"));
-        const Height* height = base->height();
-        if (!height)
-            throw v.problem("terrain", "landforms cannot stand on this terrain: it is no height", "a terrain with one height over each point",
-                            '"' + name + '"');
-        return landform_of(std::shared_ptr<const Height>(base, height), base->info().trace_bytes);
+        const std::shared_ptr<const Surface> base = other(v, "terrain");
+        return landform_of(std::shared_ptr<const Height>(base, base->height()), base->info().trace_bytes);
+    }
+
+    /// A rectangle in which a height says something.
+    static Box2d area_of(const Values& v, const std::string& key, const std::string& terrain, const Box2d& domain)
+    {
+        if (!v.has(key)) {
+            if (!std::isfinite(domain.size().length2()))
+                throw v.problem(terrain, "this terrain has no end", "an area beside it: " + key, '"' + v.text(terrain) + '"');
+            return domain;
+        }
+        const std::vector<double>& a = v.vector(key);
+        const Box2d area(Vec2d(a[0], a[1]), Vec2d(a[2], a[3]));
+        if (!(a[0] < a[2] && a[1] < a[3]))
+            throw v.problem(key, "an area", "x and y from, then x and y to, both larger", fmt::format("[{}, {}, {}, {}]", a[0], a[1], a[2], a[3]));
+        if (!domain.intersects(area.min) || !domain.intersects(area.max))
+            throw v.problem(key, "an area of \"" + v.text(terrain) + '"',
+                            fmt::format("a part of {:.6g}, {:.6g} to {:.6g}, {:.6g}", domain.min.x, domain.min.y, domain.max.x, domain.max.y),
+                            fmt::format("[{}, {}, {}, {}]", a[0], a[1], a[2], a[3]));
+        return area;
+    }
+
+    LandformPtr dictionary(const Values& v)
+    {
+        const std::shared_ptr<const Surface> coarse = other(v, "terrain"), exemplar = other(v, "exemplar");
+        DictionaryOptions options;
+        options.spacing = v.number("spacing");
+        options.detail = v.has("detail") ? v.number("detail") : options.spacing / 32.0;
+        options.atoms = static_cast<int>(v.integer("atoms"));
+        options.terms = static_cast<int>(v.integer("terms"));
+        if (!(options.detail >= options.spacing / 1024.0 && options.detail <= options.spacing))
+            throw v.problem("detail", "the distance of samples", "from a 1024th of the spacing to all of it",
+                            fmt::format("{:.6g} m beside {:.6g} m", options.detail, options.spacing));
+        const Box2d area = area_of(v, "area", "terrain", coarse->height()->domain());
+        const Box2d from = area_of(v, "exemplar_area", "exemplar", exemplar->height()->domain());
+        const double needed = TerrainDictionary::needed_size(options.spacing), side = std::min(from.size().x, from.size().y);
+        if (!(side >= needed))
+            throw v.problem("spacing", "the exemplar is too small for a patch",
+                            fmt::format("a spacing of at most {:.6g} m", options.spacing * side / needed), fmt::format("{:.6g} m", options.spacing));
+        const double count = (area.size().x / options.spacing + 1.0) * (area.size().y / options.spacing + 1.0);
+        if (!(count <= kMostPatches))
+            throw v.problem("spacing", "too many patches", fmt::format("at most {}", kMostPatches), fmt::format("about {:.3g}", count));
+        const Interval heights = exemplar->height()->range(from);
+        if (!(heights.hi > heights.lo)) throw v.problem("exemplar", "the exemplar is level", "a terrain with relief", '"' + v.text("exemplar") + '"');
+        const TerrainDictionary dictionary(*exemplar->height(), from, options);
+        return dictionary.landform(dictionary.represent(*coarse->height(), area));
     }
 
     LandformPtr path(const Values& v, const std::string& name)

@@ -92,6 +92,33 @@ Schema path_schema(const std::string& name, const std::string& doc, std::vector<
     return schema;
 }
 
+Schema dictionary_schema()
+{
+    const auto area = [](const std::string& name, const std::string& doc) {
+        return Parameter{.name = name, .type = ParameterType::vector, .doc = doc, .unit = "m", .min_count = 4, .max_count = 4};
+    };
+    return {"dictionary",
+            "A coarse terrain written as a sparse sum of patches of a fine one, whose detail it takes on (Guerin2016).",
+            {{.name = "terrain", .type = ParameterType::text, .doc = "The coarse terrain: any height.", .required = true},
+             {.name = "exemplar", .type = ParameterType::text, .doc = "The terrain whose patches are the dictionary: any height.", .required = true},
+             length("spacing", "Between patches; forms much larger come from the coarse terrain, smaller ones from the exemplar."),
+             optional_length("detail", "Between samples of the exemplar; a 32nd of the spacing by default."),
+             {.name = "atoms",
+              .type = ParameterType::integer,
+              .doc = "How many patches the dictionary has at most, each in one of eight orientations.",
+              .fallback = std::int64_t{64},
+              .minimum = 1,
+              .maximum = 4096},
+             {.name = "terms",
+              .type = ParameterType::integer,
+              .doc = "How many of them one patch may use.",
+              .fallback = std::int64_t{2},
+              .minimum = 1,
+              .maximum = 8},
+             area("area", "Where patches lie: x and y from, x and y to. The coarse terrain's extent by default; needed if that has no end."),
+             area("exemplar_area", "Where they are cut: the exemplar's extent by default; needed if that has no end.")}};
+}
+
 std::vector<Schema> primitive_schemas()
 {
     Parameter at{
@@ -111,6 +138,7 @@ std::vector<Schema> primitive_schemas()
         path_schema("curve", "A ridge, a river or a road along a curve.",
                     {points("The curve.", 1, 65536), smooth_parameter(),
                      optional_length("joint", "How far from a corner heights on its two sides run together; a quarter of the radius by default.")}),
+        dictionary_schema(),
     };
 }
 

@@ -1,8 +1,8 @@
 // Terrain from features: hills, ridges, valleys, rivers and patches of measured ground, each an elevation with a weight, combined in a tree.
 // Genevaux2015 for the tree, Guerin2016 for its operators; fields/landform.h has the functions and their bounds,
 // height_surface.h the tracing. Rays meet the tree itself: over every piece of a ray it proves a height interval, a slope and, away from creases, a
-// curvature, and asks no node for that whose support ends before. Deviation: the papers make a mesh or a grid of heights. Missing: sparse sums
-// of atoms from a dictionary (Guerin2016); level of detail in noise (`elevation` has it); materials by landform.
+// curvature, and asks no node for that whose support ends before. Deviation: the papers make a mesh or a grid of heights. Missing: level of detail in
+// noise (`elevation` has it); materials by landform.
 #include "terrain/fields/landform.h"
 #include "terrain/surfaces/height_surface.h"
 #include "terrain/surfaces/landform_nodes.h"

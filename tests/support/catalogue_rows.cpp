@@ -119,6 +119,18 @@ std::string landforms_on(const std::string& base, const Vec3d& shift)
            node("land", "max", "of = [\"ground\", \"crater\"]") + node("top", "replace", "of = [\"land\", \"road\"]");
 }
 
+/// Hills written with patches of rugged samples, on a plain.
+std::string landforms_of_patches(const std::string& coarse, const std::string& exemplar, const Vec3d& shift)
+{
+    return fmt::format("centre = [{:.17g}, {:.17g}]\nextent = 7.0\npatch = 0.5\ngrowth = 0.0\n", shift.x, shift.y) +
+           node("plain", "flat", fmt::format("height = {:.17g}", shift.z)) +
+           node("detail", "dictionary",
+                fmt::format("terrain = \"{}\"\nexemplar = \"{}\"\nspacing = 2.0\ndetail = 0.3\natoms = 12\nterms = 3\narea = [{:.17g}, {:.17g}, "
+                            "{:.17g}, {:.17g}]",
+                            coarse, exemplar, shift.x - 5, shift.y - 5, shift.x + 5, shift.y + 5)) +
+           node("land", "replace", "of = [\"plain\", \"detail\"]");
+}
+
 /// The carved block with a cave through its wall. Moved as a whole.
 std::string caves_in(const std::string& base, const Vec3d& shift)
 {
@@ -227,6 +239,7 @@ const std::vector<RowInstance>& row_instances()
         {"elevation", "elevation_multifractal", [](const Vec3d& s) { return small_hills("multifractal", s); }, 0.9},
         {"landforms", "landforms", every_landform, 0.9},
         {"landforms", "landforms_on_heights", [](const Vec3d& s) { return landforms_on("heightfield", s); }, 0.9},
+        {"landforms", "landforms_of_patches", [](const Vec3d& s) { return landforms_of_patches("elevation_billow", "heightfield", s); }, 0.9},
         {"layers", "layers", [](const Vec3d& s) { return small_layers(s, ""); }, 0.95},
         {"layers", "layers_with_water", [](const Vec3d& s) { return small_layers(s, fmt::format("water = \"{}\"\n", layer_path("water"))); }, 0.9},
         {"implicit", "implicit", every_node},
