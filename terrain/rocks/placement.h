@@ -64,7 +64,7 @@ Vec3d shape_stretch(const RockOptions& options);
 /// Depth, rounding and detail for a roundness and a roughness.
 Weathering weathering_for(const RockOptions& options);
 
-/// The level of detail of a rock at `distance` from the eye, metres: the coarsest with 16 triangles or more a pixel, but no finer than
+/// The level of detail of a rock at `distance` from the eye, metres: the coarsest with 18 triangles or more a pixel, but no finer than
 /// options.level. Where it changes no eye can tell: the two meshes differ by less than half a pixel (tests measure it).
 int rock_level(const RockOptions& options, double distance);
 

@@ -21,8 +21,8 @@ namespace
 {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kDefaultShare = 0.93;    // of the saturated radius: reached within milliseconds up to hundreds of rocks
-constexpr double kTriangles = 16.0;       // of a rock's mesh on a pixel, from where on a coarser one will do
+constexpr double kDefaultShare = 0.93;  // of the saturated radius: reached within milliseconds up to hundreds of rocks
+constexpr double kTriangles = 18.0;     // of a rock's mesh on a pixel, from where on a coarser one will do: then it is off by less than half a pixel
 constexpr double kSaturatedShare = 0.97;  // of corner cubes, which are filled up: then they hold about as many as asked
 
 }  // namespace

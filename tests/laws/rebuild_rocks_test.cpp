@@ -172,9 +172,9 @@ TEST(RockDetail, changes_where_triangles_become_pixels)
     options.size = 2.0;
     EXPECT_EQ(rock_level(options, 1e6), 0);  // nobody looks
     options.view = RockView{Vec3d(0.0), 1e-3};
-    // Level 1 has 20 * 12^2 triangles, half of them on n^2 pi / 4 pixels, 16 on each: n = sqrt(2 * 2880 / (16 pi)) = 10.705 pixels, each 1e-3 of the
-    // distance of the rock's near side: 2 / 0.010705 + 2 = 188.83 m. Levels 2 and 3 have 720 and 180: half of that width, and half again.
-    for (const auto& [level, distance] : {std::pair(1, 188.83), std::pair(2, 375.67), std::pair(3, 749.34)}) {
+    // Level 1 has 20 * 12^2 triangles, half of them on n^2 pi / 4 pixels, 18 on each: n = sqrt(2 * 2880 / (18 pi)) = 10.093 pixels, each 1e-3 of the
+    // distance of the rock's near side: 2 / 0.010093 + 2 = 200.17 m. Levels 2 and 3 have 720 and 180: half of that width, and half again.
+    for (const auto& [level, distance] : {std::pair(1, 200.17), std::pair(2, 398.33), std::pair(3, 794.67)}) {
         EXPECT_EQ(rock_level(options, distance - 0.05), level - 1);
         EXPECT_EQ(rock_level(options, distance + 0.05), level);
     }
