@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -82,6 +83,12 @@ class Field;
 class Height;
 struct Instances;
 
+/// A form of a field in which what is narrower than `width` metres is averaged away. It lives on its own.
+struct CoarserField {
+    double width = 0.0;
+    std::shared_ptr<const Field> field;
+};
+
 /// All functions are const, pure and thread-safe after construction.
 class Surface
 {
@@ -133,7 +140,11 @@ public:
     /// The implicit function whose zero set this is, alive as long as the surface; nullptr where there is none. How hosts reach its values.
     virtual const Field* field() const { return nullptr; }
 
-    /// The same for a surface of several bodies, each the zero set of a field of its own.
+    /// Coarser forms of field(), each twice as coarse as the one before, the first twice as coarse as field() itself, until one is coarser than
+    /// `width` metres or another would cost too much. None where field() itself grows coarser with the distance, or has no such forms.
+    virtual std::vector<CoarserField> coarser_fields(double) const { return {}; }
+
+    /// field() for a surface of several bodies, each the zero set of a field of its own.
     virtual std::vector<const Field*> fields() const
     {
         const Field* only = field();

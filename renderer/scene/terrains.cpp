@@ -36,6 +36,7 @@ public:
     bool closed() const override { return surface_->closed(); }
     SurfaceInfo info() const override { return surface_->info(); }
     const Field* field() const override { return surface_->field(); }
+    std::vector<CoarserField> coarser_fields(double width) const override { return surface_->coarser_fields(width); }
     std::vector<const Field*> fields() const override { return surface_->fields(); }
     const Height* height() const override { return surface_->height(); }
     const Instances* instances() const override { return surface_->instances(); }

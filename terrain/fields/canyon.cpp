@@ -60,7 +60,7 @@ Vec3d CanyonField::plateau_gradient(const Vec3d& p) const
 
 LocalField CanyonField::plateau_local(const Box3d& box) const
 {
-    const Interval lift = CanyonLift::over(shape_, box);
+    const Interval lift = CanyonLift::over(shape_, box).value;
     const CanyonLift::Bound most = CanyonLift::bound(shape_);
     const Vec3d half = box.size() * 0.5, g = plateau_gradient(box.center());
     const double turn = most.curve * std::hypot(half.x, half.y), top = shape_.origin.z + shape_.height;

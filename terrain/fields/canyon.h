@@ -3,20 +3,16 @@
 
 #include "terrain/field.h"
 #include "terrain/fields/canyon_kernel.h"
+#include "terrain/fields/detail.h"
 #include "terrain/fields/warped_field.h"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 namespace hoodoo
 {
-
-/// Octaves of a profile beyond what a pixel resolves are faded out by the distance from the eye.
-struct ProfileView {
-    Vec3d eye{0.0};
-    double spread = 0.0;  ///< width of a pixel a metre of distance
-};
 
 struct CanyonShape {
     Vec3d origin{0.0};        ///< metres: of the noise's lattice, and height 0
@@ -27,14 +23,20 @@ struct CanyonShape {
     double frequency = 3.0;   ///< of T: cells of its first octave from floor to plateau
     int octaves = 4;
     std::uint32_t profile_seed = 0;
-    double sediment = 0.35;         ///< k: slope of the deposit
-    double sediment_height = 0.3;   ///< zs, a share of the height
-    double floor_amplitude = 0.04;  ///< metres by the height: the floor lies in [0, 2 x this] x height, about
-    double floor_wavelength = 0.7;  ///< cells
-    double lift = 0.0;              ///< share of the height: layers and plateau are lifted by up to about +- half this
-    double lift_wavelength = 2.0;   ///< cells
-    std::optional<ProfileView> view;
+    double sediment = 0.35;          ///< k: slope of the deposit
+    double sediment_height = 0.3;    ///< zs, a share of the height
+    double floor_amplitude = 0.04;   ///< metres by the height: the floor lies in [0, 2 x this] x height, about
+    double floor_wavelength = 0.7;   ///< cells
+    double lift = 0.0;               ///< share of the height: layers and plateau are lifted by up to about +- half this
+    double lift_wavelength = 2.0;    ///< cells
+    std::optional<DetailView> view;  ///< octaves of the profile that a pixel does not resolve are faded out (without slack)
 };
+
+/// Of the noise that lifts.
+inline std::uint32_t lift_seed(const CanyonShape& shape)
+{
+    return shape.seed + 211u;
+}
 
 /// How far the layers are lifted at a place of the plan, metres.
 struct CanyonLift {
@@ -47,7 +49,12 @@ struct CanyonLift {
     static CanyonLift at(const CanyonShape& shape, const Vec3d& p);
     static Bound bound(const CanyonShape& shape);
     /// Proved over a box.
-    static Interval over(const CanyonShape& shape, const Box3d& box);
+    struct Range {
+        Interval value;
+        std::array<Interval, 2> gradient;
+        double slope = 0.0;
+    };
+    static Range over(const CanyonShape& shape, const Box3d& box);
 };
 
 /// T(z) = amplitude sum 0.5^k n1(2^k frequency z + 17.3 k, seed + k), z a share of the height; each octave weighted by distance where there is a
@@ -65,12 +72,13 @@ public:
     };
     Value at(const Vec3d& p) const;
 
-    /// Proved over a box: T, and bounds of its first and second derivatives along any unit direction, of its height part alone, per metre.
+    /// Proved over a box, per metre: T, its derivative by height, what the distance adds to that along any direction, and T's second derivative
+    /// along a unit direction with a horizontal part c and a vertical part s: at most across c^2 + mixed 2 c |s| + upright s^2.
     struct Range {
         Interval t, by_height;
-        double by_distance = 0.0;  ///< of what distance and lift add to T's derivative along any direction
-        double upright = 0.0;      ///< |d2T / dz2|
-        double rest = 0.0;         ///< what they add to a second derivative along any direction
+        double by_distance = 0.0;
+        double across = 0.0, mixed = 0.0, upright = 0.0;
+        CanyonLift::Range lift;
     };
     Range over(const Box3d& box) const;
 

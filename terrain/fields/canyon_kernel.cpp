@@ -49,17 +49,17 @@ HWY_INLINE V mix(V a, V b, V t)
 
 /// The lattice's gradients, wherever points are.
 struct WholeTable {
-    const CanyonLanes& lanes;
+    const CanyonLanes::Lattice& lattice;
     HWY_INLINE void corners(VI column, VI row, V* gx, V* gy) const
     {
         const D d;
         const DI di;
-        const V wide = hn::Set(d, static_cast<double>(lanes.nx));
+        const V wide = hn::Set(d, static_cast<double>(lattice.nx));
         const VI at = hn::Add(column, hn::ConvertTo(di, hn::Mul(hn::ConvertTo(d, row), wide)));
-        const VI steps[4] = {hn::Zero(di), hn::Set(di, 1), hn::Set(di, lanes.nx), hn::Set(di, lanes.nx + 1)};
+        const VI steps[4] = {hn::Zero(di), hn::Set(di, 1), hn::Set(di, lattice.nx), hn::Set(di, lattice.nx + 1)};
         for (int c = 0; c < 4; ++c) {
-            gx[c] = hn::GatherIndex(d, lanes.gradient_x.data(), hn::Add(at, steps[c]));
-            gy[c] = hn::GatherIndex(d, lanes.gradient_y.data(), hn::Add(at, steps[c]));
+            gx[c] = hn::GatherIndex(d, lattice.gradient_x.data(), hn::Add(at, steps[c]));
+            gy[c] = hn::GatherIndex(d, lattice.gradient_y.data(), hn::Add(at, steps[c]));
         }
     }
 };
@@ -70,12 +70,12 @@ struct Window {
     V gx[2], gy[2];
     std::int64_t column, row;
 
-    Window(const CanyonLanes& lanes, std::int64_t left, std::int64_t low) : column(left), row(low)
+    Window(const CanyonLanes::Lattice& lattice, std::int64_t left, std::int64_t low) : column(left), row(low)
     {
         alignas(64) double x[16], y[16];
         for (std::int64_t k = 0; k < 16; ++k) {
-            const auto at = static_cast<std::size_t>((low + k / 4) * lanes.nx + left + k % 4);
-            x[k] = lanes.gradient_x[at], y[k] = lanes.gradient_y[at];
+            const auto at = static_cast<std::size_t>((low + k / 4) * lattice.nx + left + k % 4);
+            x[k] = lattice.gradient_x[at], y[k] = lattice.gradient_y[at];
         }
         const D d;
         for (std::size_t k = 0; k < 2; ++k) gx[k] = hn::Load(d, x + 8 * k), gy[k] = hn::Load(d, y + 8 * k);
@@ -100,13 +100,13 @@ struct Around {
 };
 
 template <class Table>
-HWY_INLINE Around look(const CanyonLanes& lanes, const Table& table, V x, V y)
+HWY_INLINE Around look(const CanyonLanes::Lattice& lattice, const Table& table, V x, V y)
 {
     const D d;
     const DI di;
     const V one = hn::Set(d, 1.0), lx = hn::Floor(x), ly = hn::Floor(y);
     Around a;
-    table.corners(hn::ConvertTo(di, hn::Sub(lx, hn::Set(d, lanes.x0))), hn::ConvertTo(di, hn::Sub(ly, hn::Set(d, lanes.y0))), a.gx, a.gy);
+    table.corners(hn::ConvertTo(di, hn::Sub(lx, hn::Set(d, lattice.x0))), hn::ConvertTo(di, hn::Sub(ly, hn::Set(d, lattice.y0))), a.gx, a.gy);
     a.x = hn::Sub(x, lx);
     a.y = hn::Sub(y, ly);
     a.fx = fade(a.x);
@@ -117,9 +117,16 @@ HWY_INLINE Around look(const CanyonLanes& lanes, const Table& table, V x, V y)
 }
 
 template <class Table>
-HWY_INLINE void noise_gradient(const CanyonLanes& lanes, const Table& table, V x, V y, V& gx, V& gy)
+HWY_INLINE V noise(const CanyonLanes::Lattice& lattice, const Table& table, V x, V y)
 {
-    const Around a = look(lanes, table, x, y);
+    const Around a = look(lattice, table, x, y);
+    return mix(mix(a.v[0], a.v[1], a.fx), mix(a.v[2], a.v[3], a.fx), a.fy);
+}
+
+template <class Table>
+HWY_INLINE void noise_gradient(const CanyonLanes::Lattice& lattice, const Table& table, V x, V y, V& gx, V& gy)
+{
+    const Around a = look(lattice, table, x, y);
     const V v0 = mix(a.v[0], a.v[1], a.fx), v1 = mix(a.v[2], a.v[3], a.fx);
     const V across = mix(hn::Sub(a.v[1], a.v[0]), hn::Sub(a.v[3], a.v[2]), a.fy);
     gx = hn::Add(mix(mix(a.gx[0], a.gx[1], a.fx), mix(a.gx[2], a.gx[3], a.fx), a.fy), hn::Mul(fade_slope(a.x), across));
@@ -154,15 +161,14 @@ HWY_INLINE V carried_noise(const CanyonLanes& lanes, const Table& table, V x, V 
     const V half_step = hn::Mul(hn::Set(d, 0.5), h), part = hn::Div(h, hn::Set(d, 6.0));
     for (int n = 0; n < lanes.steps; ++n) {
         V ax, ay, bx, by, cx, cy, ex, ey;
-        noise_gradient(lanes, table, x, y, ax, ay);
-        noise_gradient(lanes, table, hn::Sub(x, hn::Mul(ax, half_step)), hn::Sub(y, hn::Mul(ay, half_step)), bx, by);
-        noise_gradient(lanes, table, hn::Sub(x, hn::Mul(bx, half_step)), hn::Sub(y, hn::Mul(by, half_step)), cx, cy);
-        noise_gradient(lanes, table, hn::Sub(x, hn::Mul(cx, h)), hn::Sub(y, hn::Mul(cy, h)), ex, ey);
+        noise_gradient(lanes.plan, table, x, y, ax, ay);
+        noise_gradient(lanes.plan, table, hn::Sub(x, hn::Mul(ax, half_step)), hn::Sub(y, hn::Mul(ay, half_step)), bx, by);
+        noise_gradient(lanes.plan, table, hn::Sub(x, hn::Mul(bx, half_step)), hn::Sub(y, hn::Mul(by, half_step)), cx, cy);
+        noise_gradient(lanes.plan, table, hn::Sub(x, hn::Mul(cx, h)), hn::Sub(y, hn::Mul(cy, h)), ex, ey);
         x = hn::Sub(x, hn::Mul(hn::Add(hn::Add(ax, hn::Mul(hn::Add(bx, cx), two)), ex), part));
         y = hn::Sub(y, hn::Mul(hn::Add(hn::Add(ay, hn::Mul(hn::Add(by, cy), two)), ey), part));
     }
-    const Around a = look(lanes, table, x, y);
-    return mix(mix(a.v[0], a.v[1], a.fx), mix(a.v[2], a.v[3], a.fx), a.fy);
+    return noise(lanes.plan, table, x, y);
 }
 
 void noise_of(const CanyonLanes& lanes, const CanyonPoints& points, double* values)
@@ -170,20 +176,25 @@ void noise_of(const CanyonLanes& lanes, const CanyonPoints& points, double* valu
     const D d;
     for (std::size_t i = 0; i < CanyonLanes::count; i += hn::Lanes(d)) {
         const V x = hn::Load(d, points.x + i), y = hn::Load(d, points.y + i);
-        const V t = profile(lanes, hn::Load(d, points.z + i), hn::Load(d, points.distance + i));
+        V z = hn::Load(d, points.z + i);
+        if (lanes.lift.nx > 0) {
+            const V f = hn::Set(d, lanes.lift_frequency);
+            z = hn::Sub(z, hn::Mul(hn::Set(d, lanes.lift_amplitude), noise(lanes.lift, WholeTable{lanes.lift}, hn::Mul(x, f), hn::Mul(y, f))));
+        }
+        const V t = profile(lanes, z, hn::Load(d, points.distance + i));
 #if HWY_TARGET == HWY_AVX3
         // No stage of a step leaves the disc of the greatest speed times |T|.
         const double reach = lanes.speed * hn::GetLane(hn::MaxOfLanes(d, hn::Abs(t)));
         const auto cell = [&](V v, double by, double origin) { return static_cast<std::int64_t>(std::floor(hn::GetLane(v) + by - origin)); };
-        const std::int64_t left = cell(hn::MinOfLanes(d, x), -reach, lanes.x0), right = cell(hn::MaxOfLanes(d, x), reach, lanes.x0);
-        const std::int64_t low = cell(hn::MinOfLanes(d, y), -reach, lanes.y0), high = cell(hn::MaxOfLanes(d, y), reach, lanes.y0);
+        const std::int64_t left = cell(hn::MinOfLanes(d, x), -reach, lanes.plan.x0), right = cell(hn::MaxOfLanes(d, x), reach, lanes.plan.x0);
+        const std::int64_t low = cell(hn::MinOfLanes(d, y), -reach, lanes.plan.y0), high = cell(hn::MaxOfLanes(d, y), reach, lanes.plan.y0);
         if (right - left <= 2 && high - low <= 2) {
-            const Window window(lanes, std::min(left, lanes.nx - 4), std::min(low, lanes.ny - 4));
+            const Window window(lanes.plan, std::min(left, lanes.plan.nx - 4), std::min(low, lanes.plan.ny - 4));
             hn::StoreU(carried_noise(lanes, window, x, y, t), d, values + i);
             continue;
         }
 #endif
-        hn::StoreU(carried_noise(lanes, WholeTable{lanes}, x, y, t), d, values + i);
+        hn::StoreU(carried_noise(lanes, WholeTable{lanes.plan}, x, y, t), d, values + i);
     }
 }
 

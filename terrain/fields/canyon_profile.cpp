@@ -5,6 +5,7 @@
 // height from which the point was lifted, z - s(x, y): T then changes sideways too, by T' |grad s|.
 #include "terrain/fields/canyon.h"
 
+#include "terrain/fields/detail.h"
 #include "terrain/math/noise_hessian.h"
 
 #include <algorithm>
@@ -12,29 +13,11 @@
 namespace hoodoo
 {
 
-namespace
-{
-
-/// Nearest and farthest distance of a box's points from `p`.
-Interval distances(const Box3d& box, const Vec3d& p)
-{
-    double near = 0.0, far = 0.0;
-    for (int k = 0; k < 3; ++k) {
-        const double d = std::max({0.0, box.min[k] - p[k], p[k] - box.max[k]});
-        const double e = std::max(std::abs(box.min[k] - p[k]), std::abs(box.max[k] - p[k]));
-        near += d * d;
-        far += e * e;
-    }
-    return {std::sqrt(near), std::sqrt(far)};
-}
-
-}  // namespace
-
 CanyonLift CanyonLift::at(const CanyonShape& shape, const Vec3d& p)
 {
     if (shape.lift == 0.0) return {};
     const double w = shape.lift_wavelength * shape.cell, a = shape.lift * shape.height;
-    const Noise2 n = gradient_noise(Vec2d(p.x - shape.origin.x, p.y - shape.origin.y) * (1.0 / w), shape.seed + 211u);
+    const Noise2 n = gradient_noise(Vec2d(p.x - shape.origin.x, p.y - shape.origin.y) * (1.0 / w), lift_seed(shape));
     return {a * n.value, n.gradient * (a / w)};
 }
 
@@ -44,16 +27,22 @@ CanyonLift::Bound CanyonLift::bound(const CanyonShape& shape)
     return {a * kNoise2Bound.value, a / w * kNoise2Derivatives.slope, a / (w * w) * kNoise2Derivatives.hessian};
 }
 
-Interval CanyonLift::over(const CanyonShape& shape, const Box3d& box)
+CanyonLift::Range CanyonLift::over(const CanyonShape& shape, const Box3d& box)
 {
-    if (shape.lift == 0.0) return {0.0, 0.0};
+    if (shape.lift == 0.0) return {};
     const Bound most = bound(shape);
     const CanyonLift middle = at(shape, box.center());
     const Vec3d half = box.size() * 0.5;
-    const double radius = std::hypot(half.x, half.y);
-    const double reach = std::abs(middle.gradient.x) * half.x + std::abs(middle.gradient.y) * half.y + 0.5 * most.curve * radius * radius;
+    const double radius = std::hypot(half.x, half.y), turn = most.curve * radius;
+    const double reach = std::abs(middle.gradient.x) * half.x + std::abs(middle.gradient.y) * half.y + 0.5 * turn * radius;
     const double stray = std::min(reach, most.slope * radius) + 1e-12 * most.value;
-    return {std::max(middle.value - stray, -most.value), std::min(middle.value + stray, most.value)};
+    Range range;
+    range.value = {std::max(middle.value - stray, -most.value), std::min(middle.value + stray, most.value)};
+    for (int k = 0; k < 2; ++k)
+        range.gradient[static_cast<std::size_t>(k)] = {std::max(middle.gradient[k] - turn, -most.slope),
+                                                       std::min(middle.gradient[k] + turn, most.slope)};
+    range.slope = std::min(middle.gradient.length() + turn, most.slope);
+    return range;
 }
 
 /// Of octave k at a distance from the eye: 1 where a pixel is narrower than a quarter of its wavelength, 0 from a half on.
@@ -89,12 +78,13 @@ CanyonProfile::Value CanyonProfile::at(const Vec3d& p) const
 
 CanyonProfile::Range CanyonProfile::over(const Box3d& box) const
 {
-    const Interval lift = CanyonLift::over(shape_, box);
+    Range r;
+    r.lift = CanyonLift::over(shape_, box);
+    const Interval lift = r.lift.value;
     const double z0 = (box.min.z - lift.hi - shape_.origin.z) / shape_.height, z1 = (box.max.z - lift.lo - shape_.origin.z) / shape_.height;
     const double middle = 0.5 * (z0 + z1), half = 0.5 * (z1 - z0);
+    double aslant = 0.0;  // what the distance adds to a second derivative along any direction
     const Interval far = shape_.view ? distances(box, shape_.view->eye) : Interval{0.0, 0.0};
-    Range r;
-    double both = 0.0;  // of T's mixed derivative by height and distance
     double a = shape_.amplitude, f = shape_.frequency;
     for (int k = 0; k < shape_.octaves; ++k, a *= 0.5, f *= 2.0) {
         const Interval w{weight(k, far.hi, nullptr), weight(k, far.lo, nullptr)};
@@ -114,18 +104,16 @@ CanyonProfile::Range CanyonProfile::over(const Box3d& box) const
         const double s = shape_.view->spread * f * 4.0 / shape_.height;
         const double size = value.magnitude();
         r.by_distance += 1.5 * s * a * size;
-        const double crossed = a * 2.0 * 1.5 * s * f / shape_.height * slope.magnitude();
-        both += crossed;
-        r.rest += crossed + a * (6.0 * s * s + 1.5 * s * s) * size;
+        // Along a direction T's height part changes by 1 + |grad s| times its slope at most.
+        const double crossed = a * 2.0 * 1.5 * s * f / shape_.height * slope.magnitude() * (1.0 + r.lift.slope);
+        aslant += crossed + a * (6.0 * s * s + 1.5 * s * s) * size;
     }
     if (shape_.lift != 0.0) {
-        // T(z - s): along a unit direction T' |grad s| sideways, and T'' (|grad s|^2 + 2 |grad s|) + T' |D2 s| of the second derivative; the mixed
-        // one with the distance grows by |grad s|.
-        const CanyonLift::Bound s = CanyonLift::bound(shape_);
-        const double steep = r.by_height.magnitude();
-        r.by_distance += steep * s.slope;
-        r.rest += r.upright * s.slope * (s.slope + 2.0) + steep * s.curve + both * s.slope;
+        // T(z - s): T'' (s_u - c |grad s|)^2 along a direction, and T' |D2 s| c^2.
+        r.mixed = r.upright * r.lift.slope;
+        r.across = r.mixed * r.lift.slope + r.by_height.magnitude() * CanyonLift::bound(shape_).curve;
     }
+    r.across += aslant, r.upright += aslant;
     return r;
 }
 

@@ -16,7 +16,8 @@ namespace hoodoo
 namespace
 {
 
-constexpr double kBlend = 0.05;  ///< of the sediment's upper edge, a share of the height
+constexpr double kBlend = 0.05;       ///< of the sediment's upper edge, a share of the height
+constexpr double kDifference = 1e-8;  ///< rounding of a difference of two noises over a step of 1e-6, a cell from the origin
 
 double length2(double x, double y)
 {
@@ -109,18 +110,27 @@ void CanyonWall::prepare(const Box3d& domain)
     lanes_.reach = profile_.most() * lanes_.speed;
     const double lift = CanyonLift::bound(shape_).value / shape_.height;
     lanes_.z_lo = -0.05 - 2.0 * lift, lanes_.z_hi = 1.05 + 2.0 * lift;
-    const auto low = [&](double x, double o) { return std::floor((x - o) / w - lanes_.reach) - 1.0; };
-    lanes_.x0 = low(domain.min.x, shape_.origin.x);
-    lanes_.y0 = low(domain.min.y, shape_.origin.y);
-    lanes_.nx = static_cast<std::int64_t>(std::ceil((domain.max.x - shape_.origin.x) / w + lanes_.reach) + 3.0 - lanes_.x0);
-    lanes_.ny = static_cast<std::int64_t>(std::ceil((domain.max.y - shape_.origin.y) / w + lanes_.reach) + 3.0 - lanes_.y0);
-    for (std::int64_t j = 0; j < lanes_.ny; ++j) {
-        for (std::int64_t i = 0; i < lanes_.nx; ++i) {
-            // At a lattice point the noise's gradient is that of its own plane.
-            const Vec2d g = gradient_noise(Vec2d(lanes_.x0 + static_cast<double>(i), lanes_.y0 + static_cast<double>(j)), shape_.seed).gradient;
-            lanes_.gradient_x.push_back(g.x);
-            lanes_.gradient_y.push_back(g.y);
+    const auto lattice = [&](double cell, double reach, std::uint32_t seed) {
+        CanyonLanes::Lattice l;
+        const auto low = [&](double x, double o) { return std::floor((x - o) / cell - reach) - 1.0; };
+        l.x0 = low(domain.min.x, shape_.origin.x);
+        l.y0 = low(domain.min.y, shape_.origin.y);
+        l.nx = static_cast<std::int64_t>(std::ceil((domain.max.x - shape_.origin.x) / cell + reach) + 3.0 - l.x0);
+        l.ny = static_cast<std::int64_t>(std::ceil((domain.max.y - shape_.origin.y) / cell + reach) + 3.0 - l.y0);
+        for (std::int64_t j = 0; j < l.ny; ++j) {
+            for (std::int64_t i = 0; i < l.nx; ++i) {
+                // At a lattice point the noise's gradient is that of its own plane.
+                const Vec2d g = gradient_noise(Vec2d(l.x0 + static_cast<double>(i), l.y0 + static_cast<double>(j)), seed).gradient;
+                l.gradient_x.push_back(g.x);
+                l.gradient_y.push_back(g.y);
+            }
         }
+        return l;
+    };
+    lanes_.plan = lattice(w, lanes_.reach, shape_.seed);
+    if (shape_.lift != 0.0) {
+        lanes_.lift = lattice(w * shape_.lift_wavelength, (lanes_.reach + 3.0) / shape_.lift_wavelength, lift_seed(shape_));
+        lanes_.lift_amplitude = shape_.lift, lanes_.lift_frequency = 1.0 / shape_.lift_wavelength;
     }
     double a = shape_.amplitude, f = shape_.frequency;
     for (int k = 0; k < shape_.octaves; ++k, a *= 0.5, f *= 2.0) {
@@ -137,14 +147,16 @@ void CanyonWall::prepare(const Box3d& domain)
 void CanyonWall::values(const Vec3d (&p)[CanyonLanes::count], double* out) const
 {
     CanyonPoints at;
-    bool known = lanes_.nx > 0;
-    const double x1 = lanes_.x0 + static_cast<double>(lanes_.nx) - 2.0, y1 = lanes_.y0 + static_cast<double>(lanes_.ny) - 2.0;
+    const CanyonLanes::Lattice& plan = lanes_.plan;
+    const double room = lanes_.lift_amplitude * kNoise2Bound.value;
+    bool known = plan.nx > 0;
+    const double x1 = plan.x0 + static_cast<double>(plan.nx) - 2.0, y1 = plan.y0 + static_cast<double>(plan.ny) - 2.0;
     for (int i = 0; i < CanyonLanes::count; ++i) {
         const Vec3d q = p[i] - shape_.origin;
-        at.x[i] = q.x / shape_.cell, at.y[i] = q.y / shape_.cell, at.z[i] = (q.z - CanyonLift::at(shape_, p[i]).value) / shape_.height;
+        at.x[i] = q.x / shape_.cell, at.y[i] = q.y / shape_.cell, at.z[i] = q.z / shape_.height;
         at.distance[i] = shape_.view ? (p[i] - shape_.view->eye).length() / shape_.cell : 0.0;
-        known = known && at.z[i] >= lanes_.z_lo && at.z[i] <= lanes_.z_hi && at.x[i] - lanes_.reach >= lanes_.x0 && at.x[i] + lanes_.reach <= x1 &&
-                at.y[i] - lanes_.reach >= lanes_.y0 && at.y[i] + lanes_.reach <= y1;
+        known = known && at.z[i] - room >= lanes_.z_lo && at.z[i] + room <= lanes_.z_hi && at.x[i] - lanes_.reach >= plan.x0 &&
+                at.x[i] + lanes_.reach <= x1 && at.y[i] - lanes_.reach >= plan.y0 && at.y[i] + lanes_.reach <= y1;
     }
     if (!known) {
         for (int i = 0; i < CanyonLanes::count; ++i) out[i] = value(p[i]);
@@ -159,7 +171,9 @@ LocalField CanyonWall::local(const Box3d& box) const
     const double w = shape_.cell;
     const CanyonProfile::Range t = profile_.over(box);
     const Box3d plan(Vec3d(box.min.x, box.min.y, 0.0), Vec3d(box.max.x, box.max.y, 0.0));
-    const InverseBound b = warp_.inverse_bound(plan, {t.t.lo * w, t.t.hi * w});
+    // A little wider than T: a difference is taken at the middle.
+    constexpr double step = 1e-6;
+    const InverseBound b = warp_.inverse_bound(plan, {(t.t.lo - step) * w, (t.t.hi + step) * w});
     const Vec3d half = plan.size() * 0.5;
     const double radius = half.length(), span = 0.5 * (t.t.hi - t.t.lo) * w, image = length2(b.half_image.x, b.half_image.y);
     Vec2d g;
@@ -169,34 +183,43 @@ LocalField CanyonWall::local(const Box3d& box) const
     const NoiseDerivativeBound near = noise_bound(Imath::Box2d((at - by) * (1.0 / w), (at + by) * (1.0 / w)), shape_.seed);
     const double bend = near.hessian / w, steepest = std::min(near.slope, g.length() + bend * image);
     const double across = bend * b.all.x * b.all.x + steepest * b.all.xx;
-    const double by_time = steepest * b.all.h;  // |d(wF) / d(wT)|
     const double mixed = bend * b.all.x * b.all.h + steepest * b.all.xh, timed = bend * b.all.h * b.all.h + steepest * b.all.hh;
-    const double slope_t = t.by_height.magnitude() * w;  // |d(wT) / dz|
+    // d(wF) / d(wT): a difference at the middle, off by no more than half the step times the second derivative; and how far it turns from there.
+    const double by_most = steepest * b.all.h, middle = 0.5 * (t.t.lo + t.t.hi);
+    const Vec2d centre_of_plan(plan.center().x, plan.center().y);
+    const double change = (noise(carried(centre_of_plan, middle + step), nullptr) - n) / step;
+    const double off = mixed * radius + timed * (span + 0.5 * step * w) + kDifference * (1.0 + (plan.center() - shape_.origin).length() / w);
+    const Interval by_time = Interval::common({change - off, change + off}, {-by_most, by_most});
+    // T's own derivatives, times w: by height, and what the distance adds to that.
+    const Interval by_height = t.by_height.scaled(w);
+    const double aside = t.by_distance * w, upright = by_height.magnitude() + aside, sideways = by_height.magnitude() * t.lift.slope + aside;
+    const double by_distance = by_time.magnitude() * aside;
 
     LocalField known;
     const Vec3d centre = apply_transposed(b.jacobian, Vec3d(g.x, g.y, 0.0));
-    const double turn = across * radius + mixed * span, most = std::min(steepest * b.all.x, centre.length() + turn),
-                 aside = by_time * t.by_distance * w;
+    const double turn = across * radius + mixed * span, most = std::min(steepest * b.all.x, centre.length() + turn);
+    const Interval climb = by_time * by_height;
     double plain = 0.5 * across * radius * radius + mixed * radius * span;
     for (int k = 0; k < 2; ++k) {
-        // The sign turns: negative in rock.
-        known.gradient[static_cast<std::size_t>(k)] = {std::max(-centre[k] - turn, -most) - aside, std::min(-centre[k] + turn, most) + aside};
+        // The sign turns: negative in rock. The lift takes away from the height.
+        const Interval flat{std::max(-centre[k] - turn, -most) - by_distance, std::min(-centre[k] + turn, most) + by_distance};
+        known.gradient[static_cast<std::size_t>(k)] = flat + climb * t.lift.gradient[static_cast<std::size_t>(k)];
         plain += std::abs(centre[k]) * half[k];
     }
     double low = 0.0, high = 0.0, curve = 0.0;
     const double lower = ramp(box.max.z, &high, nullptr), upper = ramp(box.min.z, &low, nullptr);
     const double u = shape_.sediment_height - (box.min.z - shape_.origin.z) / shape_.height, v = u - (box.max.z - box.min.z) / shape_.height;
     if (u > 0.0 && v < kBlend) curve = w * shape_.sediment / (kBlend * shape_.height * shape_.height);
-    // By height: |dF/dT| T', where dF/dT of the true flow is never positive; of the discrete one, either.
-    const double z = by_time * slope_t + aside;
-    known.gradient[2] = {-z + w * std::min(-low, -high), z + w * std::max(-low, -high)};
+    known.gradient[2] = -climb + Interval{w * std::min(-low, -high) - by_distance, w * std::max(-low, -high) + by_distance};
     known.centre = -w * (n + ramp(0.5 * (box.min.z + box.max.z), nullptr, nullptr));
-    const double spread = std::min(plain, most * radius) + by_time * span;
+    const double spread = std::min(plain, most * radius) + by_time.magnitude() * span;
     const double rounding = 1e-12 * (w + std::abs(box.min.x) + std::abs(box.min.y));
     known.value = {-w * (n + upper) - spread - rounding, -w * (n + lower) + spread + rounding};
-    known.curvature = across + 2.0 * mixed * t.by_distance * w + timed * t.by_distance * w * t.by_distance * w + by_time * t.rest * w;
-    known.mixed = mixed * slope_t + timed * slope_t * t.by_distance * w + by_time * t.rest * w;
-    known.upright = timed * slope_t * slope_t + by_time * (t.upright + t.rest) * w + curve + known.mixed * t.by_distance * w;
+    // d2F = F_xx + 2 F_xT dT + F_TT dT^2 + F_T d2T, with |dT| <= c sideways + s upright.
+    const double by = by_time.magnitude();
+    known.curvature = across + 2.0 * mixed * sideways + timed * sideways * sideways + by * t.across * w;
+    known.mixed = mixed * upright + timed * sideways * upright + by * t.mixed * w;
+    known.upright = timed * upright * upright + by * t.upright * w + curve;
     return known;
 }
 

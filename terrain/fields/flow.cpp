@@ -9,7 +9,8 @@
 // Bounds. Vortex: with x = r/R, |v| = R x e^{-x^2} <= R / sqrt(2e). Dv = w [a]x + (dw/dr)(a x q) e_r^T: norm at most w max(1, |1 - 2 x^2|) <= 1.
 // D2v(u, u) = 2 (grad w.u) a x u + D2w(u, u) a x q is a closed form in r and u; its supremum 1.9518 / R was found numerically. Bulge: |v| <= R
 // 2/sqrt(27), |Dv| <= 2 (its eigenvalues are 1 - u and 1 - 3u), D2v =
-// -(2/R^2)(q I + sym), norm 6|q|/R^2 <= 6/R inside; at the sphere Dv jumps, so there is no bound of D2v across it.
+// -(2/R^2)(q I + sym), norm 6|q|/R^2 <= 6/R inside; at the sphere Dv jumps, so there is no bound of D2v across it. A fading octave w v: |D(wv)| <= w
+// |Dv| + |w'||v|, |D2(wv)| <= w |D2v| + 2 |w'||Dv| + |w''||v|; of the vertical flow by the horizontal distance, which leaves its closed form.
 #include "terrain/fields/flow.h"
 
 #include "terrain/error.h"
@@ -25,6 +26,14 @@ Carried Flow::carry(const Vec3d&, double) const
     throw Error(ErrorKind::internal, "a flow without a closed form was asked for one");
 }
 
+FlowBound FadingOctave::bound(const Box3d& box, const FlowBound& alone) const
+{
+    if (!fade_) return alone;
+    const DetailFade::Bound w = fade_->over(box, axes_);
+    return {w.value.hi * alone.speed, w.value.hi * alone.gradient + w.slope * alone.speed,
+            w.value.hi * alone.hessian + 2.0 * w.slope * alone.gradient + w.curve * alone.speed, alone.drift};
+}
+
 double Flow::usual_gradient() const
 {
     return bound(Box3d(Vec3d(-kInfinity), Vec3d(kInfinity)), {0.0, 1.0}).gradient;
@@ -32,14 +41,6 @@ double Flow::usual_gradient() const
 
 namespace
 {
-
-Matrix3d outer(const Vec3d& a, const Vec3d& b)
-{
-    Matrix3d m;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) m[i][j] = a[i] * b[j];
-    return m;
-}
 
 Matrix3d cross_matrix(const Vec3d& a)
 {
@@ -187,15 +188,15 @@ private:
 class Vertical final : public Flow
 {
 public:
-    Vertical(const Vec3d& origin, double wavelength, int octaves, double gain, std::uint32_t seed)
-        : origin_(origin), wavelength_(wavelength), seed_(seed), fractal_{static_cast<double>(octaves), 2.0, gain}
+    Vertical(const Vec3d& origin, double wavelength, int octaves, double gain, std::uint32_t seed, const std::optional<DetailView>& view)
+        : origin_(origin), wavelength_(wavelength), seed_(seed), fractal_{static_cast<double>(octaves), 2.0, gain}, fades_(view)
     {
-        const NoiseBound first{kNoise2Bound.value, kNoise2Derivatives.slope};
-        const NoiseBound slopes = fbm_bound(first, fractal_);
-        bound_.speed = slopes.value;
-        bound_.gradient = slopes.slope / wavelength_;
-        // Octave k adds gain^k 4^k to the second derivative.
-        for (int k = 0; k < octaves; ++k) bound_.hessian += std::pow(4.0 * gain, k) * kNoise2Derivatives.hessian / (wavelength_ * wavelength_);
+        double amplitude = 1.0, frequency = 1.0 / wavelength;
+        for (int k = 0; k < octaves; ++k, amplitude *= gain, frequency *= 2.0) {
+            octaves_.push_back({FadingOctave(view, 1.0 / frequency, 2),
+                                {amplitude * kNoise2Bound.value, amplitude * frequency * kNoise2Derivatives.slope,
+                                 amplitude * frequency * frequency * kNoise2Derivatives.hessian, 0.0}});
+        }
     }
     Vec3d velocity(const Vec3d& p, double) const override { return {0.0, 0.0, height(p).value}; }
     Matrix3d gradient(const Vec3d& p, double) const override
@@ -203,7 +204,15 @@ public:
         const Noise2 n = height(p);
         return {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, n.gradient.x, n.gradient.y, 0.0};
     }
-    FlowBound bound(const Box3d&, const Interval&) const override { return bound_; }
+    FlowBound bound(const Box3d& box, const Interval&) const override
+    {
+        FlowBound sum;
+        for (const Octave& octave : octaves_) {
+            const FlowBound b = octave.fading.bound(box, octave.alone);
+            sum = {sum.speed + b.speed, sum.gradient + b.gradient, sum.hessian + b.hessian, 0.0};
+        }
+        return sum;
+    }
     bool closed_form() const override { return true; }
     Carried carry(const Vec3d& p, double t) const override
     {
@@ -212,17 +221,34 @@ public:
     }
 
 private:
+    struct Octave {
+        FadingOctave fading;
+        FlowBound alone;
+    };
     Noise2 height(const Vec3d& p) const
     {
-        Noise2 n = fbm(Vec2d(p.x - origin_.x, p.y - origin_.y) * (1.0 / wavelength_), seed_, fractal_);
-        n.gradient *= 1.0 / wavelength_;
-        return n;
+        const Vec2d q = Vec2d(p.x - origin_.x, p.y - origin_.y) * (1.0 / wavelength_);
+        Noise2 sum;
+        if (!fades_) {
+            sum = fbm(q, seed_, fractal_);
+            sum.gradient *= 1.0 / wavelength_;
+            return sum;
+        }
+        for (std::size_t k = 0; k < octaves_.size(); ++k) {
+            const DetailFade::Weight w = octaves_[k].fading.weight(p);
+            if (w.value == 0.0) continue;
+            const Noise2 n = fbm_octave(q, seed_, fractal_, static_cast<int>(k));
+            sum.value += w.value * n.value;
+            sum.gradient += n.gradient * (w.value / wavelength_) + Vec2d(w.gradient.x, w.gradient.y) * n.value;
+        }
+        return sum;
     }
     Vec3d origin_;
     double wavelength_;
     std::uint32_t seed_;
     Fractal fractal_;
-    FlowBound bound_;
+    bool fades_;
+    std::vector<Octave> octaves_;
 };
 
 }  // namespace
@@ -248,9 +274,9 @@ FlowPtr shear_flow(const Vec3d& centre, const Vec3d& normal, const Vec3d& direct
     return std::make_shared<Shear>(centre, n, (direction - n * n.dot(direction)).normalized());
 }
 
-FlowPtr vertical_flow(const Vec3d& origin, double wavelength, int octaves, double gain, std::uint32_t seed)
+FlowPtr vertical_flow(const Vec3d& origin, double wavelength, int octaves, double gain, std::uint32_t seed, const std::optional<DetailView>& view)
 {
-    return std::make_shared<Vertical>(origin, wavelength, octaves, gain, seed);
+    return std::make_shared<Vertical>(origin, wavelength, octaves, gain, seed, view);
 }
 
 }  // namespace hoodoo

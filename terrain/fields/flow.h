@@ -1,10 +1,12 @@
 // Flows: velocity fields along which a surface is carried (Gamito2001, section 2), with proved bounds; and the flows there are.
 #pragma once
 
+#include "terrain/fields/detail.h"
 #include "terrain/math/interval.h"
 #include "terrain/math/vec.h"
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace hoodoo
@@ -59,6 +61,24 @@ public:
 
 using FlowPtr = std::shared_ptr<const Flow>;
 
+/// One octave of a flow with the weight that its distance leaves it: w v, with the product rule for its derivative and its bounds.
+class FadingOctave
+{
+public:
+    /// Full where the footprint is a quarter of the wavelength, gone at a half. By the distance over the first `axes` axes.
+    FadingOctave(const std::optional<DetailView>& view, double wavelength, int axes = 3) : axes_(axes)
+    {
+        if (view) fade_.emplace(*view, 0.25 * wavelength);
+    }
+    DetailFade::Weight weight(const Vec3d& p) const { return fade_ ? fade_->at(p, axes_) : DetailFade::Weight{}; }
+    /// Of the octave with the weights of the box, from those of the octave alone.
+    FlowBound bound(const Box3d& box, const FlowBound& alone) const;
+
+private:
+    std::optional<DetailFade> fade_;
+    int axes_;
+};
+
 // -- In closed form -------------------------------------------------------------------------------------------------------
 
 /// Everything turns about an axis through `centre`, one radian a unit of time.
@@ -69,15 +89,19 @@ FlowPtr vortex_flow(const Vec3d& centre, const Vec3d& axis, double radius);
 FlowPtr bulge_flow(const Vec3d& centre, double radius);
 /// Along `direction` (made perpendicular to `normal`), as fast as the height above the plane through `centre`.
 FlowPtr shear_flow(const Vec3d& centre, const Vec3d& normal, const Vec3d& direction);
-/// v = (0, 0, f(x, y)), f a sum of noise: makes a height field of a plane (section 2). Amplitude 1, `wavelength` metres of the first octave.
-FlowPtr vertical_flow(const Vec3d& origin, double wavelength, int octaves, double gain, std::uint32_t seed);
+/// v = (0, 0, f(x, y)), f a sum of noise: makes a height field of a plane (section 2). Amplitude 1, `wavelength` metres of the first octave. Octaves
+/// fade by the horizontal distance.
+FlowPtr vertical_flow(const Vec3d& origin, double wavelength, int octaves, double gain, std::uint32_t seed,
+                      const std::optional<DetailView>& view = {});
 
 // -- Of noise --------------------------------------------------------------------------------------------------------------
+// With a view, an octave fades as a pixel grows from a quarter to a half of its wavelength, there where it acts. What is left is a flow like any
+// other, so that what is carried still keeps its topology; a curl keeps volumes where nothing fades.
 
 /// Along the gradient of a 2-D noise with cells of `wavelength` metres: horizontal, speed about 1 (the canyon's flow, section 4.1).
-FlowPtr noise_gradient_flow(const Vec3d& origin, double wavelength, std::uint32_t seed);
+FlowPtr noise_gradient_flow(const Vec3d& origin, double wavelength, std::uint32_t seed, const std::optional<DetailView>& view = {});
 /// The curl of three sums of 3-D noise: keeps volumes. `wavelength` metres of the first octave; speed about 1.
-FlowPtr curl_flow(const Vec3d& origin, double wavelength, int octaves, double gain, std::uint32_t seed);
+FlowPtr curl_flow(const Vec3d& origin, double wavelength, int octaves, double gain, std::uint32_t seed, const std::optional<DetailView>& view = {});
 
 // -- Of other flows ----------------------------------------------------------------------------------------------------------
 
@@ -93,6 +117,11 @@ inline Vec3d apply(const Matrix3d& m, const Vec3d& v)
 {
     return {m[0][0] * v.x + m[0][1] * v.y + m[0][2] * v.z, m[1][0] * v.x + m[1][1] * v.y + m[1][2] * v.z,
             m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
+}
+/// a b^T.
+inline Matrix3d outer(const Vec3d& a, const Vec3d& b)
+{
+    return {a.x * b.x, a.x * b.y, a.x * b.z, a.y * b.x, a.y * b.y, a.y * b.z, a.z * b.x, a.z * b.y, a.z * b.z};
 }
 /// The transpose applied to a column: how a gradient comes back through a map.
 inline Vec3d apply_transposed(const Matrix3d& m, const Vec3d& v)

@@ -276,4 +276,23 @@ Box2d HeightGrid::domain() const
     return {low, low + Vec2d((columns_ - 1) * frame_.cell.x, (rows_ - 1) * frame_.cell.y)};
 }
 
+std::unique_ptr<HeightGrid> halved(const HeightGrid& grid)
+{
+    GridFrame frame = grid.frame();
+    frame.cell *= 2.0;
+    auto half = std::make_unique<HeightGrid>(frame, grid.columns() / 2 + 1, grid.rows() / 2 + 1, SampleType::f32);
+    for (int j = 0; j < half->rows(); ++j) {
+        for (int i = 0; i < half->columns(); ++i) {
+            double sum = 0.0;
+            for (int b = -1; b <= 1; ++b)
+                for (int a = -1; a <= 1; ++a)
+                    sum += (2 - std::abs(a)) * (2 - std::abs(b)) *
+                           grid.sample(std::clamp(2 * i + a, 0, grid.columns() - 1), std::clamp(2 * j + b, 0, grid.rows() - 1));
+            half->set(i, j, sum / 16.0);
+        }
+    }
+    half->summarise();
+    return half;
+}
+
 }  // namespace hoodoo

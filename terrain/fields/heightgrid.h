@@ -5,6 +5,7 @@
 #include "terrain/math/pages.h"
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -18,6 +19,11 @@ struct GridFrame {
     Vec2d cell{1.0};     ///< metres, above 0
     double scale = 1.0;  ///< metres for a sample's 1, above 0
 };
+
+class HeightGrid;
+
+/// Every other node, with the binomial mean (1/4, 1/2, 1/4) of the heights about it; the area may grow by one old cell to the east and north.
+std::unique_ptr<HeightGrid> halved(const HeightGrid& grid);
 
 /// What is known of a square of cells, in the units of the samples.
 struct GridSummary {

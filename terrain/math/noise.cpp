@@ -203,6 +203,20 @@ Noise3 fbm(const Vec3d& p, std::uint32_t seed, const Fractal& fractal)
     return sum<Noise3>(p, seed, fractal, [](const Noise3& n) { return n; });
 }
 
+Noise2 fbm_octave(const Vec2d& p, std::uint32_t seed, const Fractal& fractal, int octave)
+{
+    Noise2 n;
+    Vec2d q = p;
+    for (int turns = 0; turns < octave; ++turns) q = turned(q);
+    for_octaves(fractal, [&](int k, double frequency, double amplitude) {
+        if (k != octave) return;
+        n = gradient_noise(q * frequency + shift(p, k), seed + static_cast<std::uint32_t>(k));
+        for (int back = 0; back < k; ++back) n.gradient = turned_back(n.gradient);
+        n = {amplitude * n.value, n.gradient * (amplitude * frequency)};
+    });
+    return n;
+}
+
 Noise2 ridged(const Vec2d& p, std::uint32_t seed, const Fractal& fractal)
 {
     return sum<Noise2>(p, seed, fractal, [](const Noise2& n) { return crest(n, kNoise2Bound.value); });

@@ -55,6 +55,8 @@ struct Fractal {
 /// Sum of the octaves; the first has the amplitude of the noise itself.
 Noise2 fbm(const Vec2d& p, std::uint32_t seed, const Fractal& fractal);
 Noise3 fbm(const Vec3d& p, std::uint32_t seed, const Fractal& fractal);
+/// What octave k adds to fbm(), its amplitude included. 0 <= k < fractal.octaves.
+Noise2 fbm_octave(const Vec2d& p, std::uint32_t seed, const Fractal& fractal, int k);
 
 /// Sum of (1 - |n| / bound)^2 over the octaves: sharp crests. Values in [0, sum of gain^k]. Only C0 on the crests.
 Noise2 ridged(const Vec2d& p, std::uint32_t seed, const Fractal& fractal);

@@ -252,7 +252,7 @@ CanyonShape shape_of(const Values& values, const BuildContext& context)
     shape.floor_wavelength = values.number("floor_wavelength");
     shape.lift = values.number("lift");
     shape.lift_wavelength = values.number("lift_wavelength");
-    if (values.boolean("lod") && context.view) shape.view = ProfileView{context.view->eye, context.view->spread};
+    if (values.boolean("lod") && context.view) shape.view = DetailView{context.view->eye, context.view->spread, 0.0};
     return shape;
 }
 

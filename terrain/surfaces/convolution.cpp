@@ -200,6 +200,16 @@ public:
 
     /// Two bodies have no common field.
     const Field* field() const override { return bodies_.size() == 1 && !water_ ? bodies_.front().field.get() : nullptr; }
+    std::vector<CoarserField> coarser_fields(double width) const override
+    {
+        // Wider kernels over the same layers. A cube of 32 cells reads a thousand columns.
+        std::vector<CoarserField> coarser;
+        if (!field()) return coarser;
+        const ConvolutionField& own = *bodies_.front().field;
+        for (double side = 4.0 * own.sigma(); side <= 32.0 * stack_->cell() && side < 2.0 * width; side *= 2.0)
+            coarser.push_back({side, std::make_shared<ConvolutionField>(own.ground(), 0.5 * side)});
+        return coarser;
+    }
     std::vector<const Field*> fields() const override
     {
         std::vector<const Field*> all;

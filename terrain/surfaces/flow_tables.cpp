@@ -88,7 +88,7 @@ Vec3d unit_from(const Values& v, const std::string& name)
     return d;
 }
 
-FlowPtr basic_flow(const Values& v, std::uint32_t seed)
+FlowPtr basic_flow(const Values& v, std::uint32_t seed, const std::optional<DetailView>& view)
 {
     const std::string& kind = v.variant();
     if (kind == "rotation") return rotation_flow(v.vec3("centre"), unit_from(v, "axis"));
@@ -102,10 +102,10 @@ FlowPtr basic_flow(const Values& v, std::uint32_t seed)
     }
     const Vec3d origin = v.vec3("origin");
     const double wavelength = v.number("wavelength");
-    if (kind == "noise") return noise_gradient_flow(origin, wavelength, seed);
+    if (kind == "noise") return noise_gradient_flow(origin, wavelength, seed, view);
     const int octaves = static_cast<int>(v.integer("octaves"));
-    if (kind == "vertical") return vertical_flow(origin, wavelength, octaves, v.number("gain"), seed);
-    return curl_flow(origin, wavelength, octaves, v.number("gain"), seed);
+    if (kind == "vertical") return vertical_flow(origin, wavelength, octaves, v.number("gain"), seed, view);
+    return curl_flow(origin, wavelength, octaves, v.number("gain"), seed, view);
 }
 
 FlowPtr masked(const Values& v, FlowPtr flow)
@@ -144,13 +144,16 @@ std::vector<Schema> flow_schemas()
     return list;
 }
 
-FlowPtr make_flow(const std::vector<Values>& tables, std::uint64_t seed)
+FlowPtr make_flow(const std::vector<Values>& tables, std::uint64_t seed, const std::optional<DetailView>& view, double longest)
 {
     std::vector<FlowPtr> flows;
     for (std::size_t k = 0; k < tables.size(); ++k) {
         const Values& v = tables[k];
         const std::string name = v.text("name").empty() ? fmt::format("flow {}", k) : v.text("name");
-        FlowPtr flow = basic_flow(v, static_cast<std::uint32_t>(hash_name(seed, name) >> 32));
+        // A pattern that drifts takes its distances along.
+        std::optional<DetailView> own = view;
+        if (own && v.has("drift")) own->slack += v.vec3("drift").length() * longest;
+        FlowPtr flow = basic_flow(v, static_cast<std::uint32_t>(hash_name(seed, name) >> 32), own);
         if (v.number("strength") != 1.0) flow = scaled_flow(std::move(flow), v.number("strength"));
         if (v.has("drift")) flow = drifting_flow(std::move(flow), v.vec3("drift"));
         flows.push_back(masked(v, std::move(flow)));

@@ -63,6 +63,23 @@ public:
     bool closed() const override { return false; }
     const Field* field() const override { return &field_; }
     const Height* height() const override { return grid_.get(); }
+    std::vector<CoarserField> coarser_fields(double width) const override
+    {
+        struct Coarser {
+            explicit Coarser(const HeightGrid& finer) : grid(halved(finer)), field(*grid) {}
+            std::unique_ptr<HeightGrid> grid;
+            HeightAsField field;
+        };
+        std::vector<CoarserField> coarser;
+        const HeightGrid* finer = grid_.get();
+        const Vec2d cell = grid_->frame().cell;
+        for (double side = 2.0 * std::max(cell.x, cell.y); side < 2.0 * width && finer->columns() > 4 && finer->rows() > 4; side *= 2.0) {
+            const auto own = std::make_shared<Coarser>(*finer);
+            finer = own->grid.get();
+            coarser.push_back({side, std::shared_ptr<const Field>(own, &own->field)});
+        }
+        return coarser;
+    }
 
     GeoReference world_to_earth() const override
     {

@@ -5,9 +5,13 @@
 // (3.2). Warps stack: the base may be `warped` itself. The intensity may change while the shutter is open: a ray carries its time, and the patches
 // enclose all of it. Deviations: the paper's search is the option mode = "paper"; its bases are planes and height fields, here anything with a field,
 // in which the surface ends where its base ends. Rocks on the base are moved, not bent. Missing: rocks that turn with the flow, or move while the
-// shutter is open; level of detail (a base and flows have what detail they have); meshes as bases.
+// shutter is open; coarser forms of implicit trees, voxels and landforms; meshes as bases.
+// Level of detail: flows fade their octaves and the base passes over into coarser forms of itself (fields/detail_field.h), each by the distance of
+// the place where it acts, less the farthest that the warp carries anything: what is seen is never coarser than its pixel. A function of the place
+// alone, so that all rays meet one surface, and bounds are those of the faded functions.
 #include "terrain/error.h"
 #include "terrain/field.h"
+#include "terrain/fields/detail_field.h"
 #include "terrain/fields/warped_field.h"
 #include "terrain/surfaces/flow_tables.h"
 #include "terrain/surfaces/marched_surface.h"
@@ -39,13 +43,15 @@ Box3d bounds_of(const Surface& surface)
 class WarpedSurface final : public MarchedSurface
 {
 public:
-    WarpedSurface(std::shared_ptr<const Surface> base, Warp warp, Interval intensity)
+    WarpedSurface(std::shared_ptr<const Surface> base, Warp warp, Interval intensity, const std::optional<DetailView>& view)
         : base_(std::move(base)),
           inner_(dynamic_cast<const WarpedSurface*>(base_.get())),
-          field_(std::shared_ptr<const Field>(base_, base_->field()), std::move(warp), intensity.lo),
+          ground_(bounds_of(*base_)),
+          detail_(view ? detailed(base_, ground_, *view) : nullptr),
+          field_(detail_ ? std::shared_ptr<const Field>(detail_) : std::shared_ptr<const Field>(base_, base_->field()), std::move(warp),
+                 intensity.lo),
           open_(intensity.lo),
-          close_(intensity.hi),
-          ground_(bounds_of(*base_))
+          close_(intensity.hi)
     {
     }
 
@@ -109,7 +115,10 @@ private:
         below.position = rest.point;
         below.geometric_normal = slope.length() > 0.0 ? slope.normalized() : at.geometric_normal;
         base_->dress(below);
-        const Vec3d smooth = apply_transposed(rest.jacobian, below.shading_normal);
+        // Where the base is coarser than its looks know, so is the light on it.
+        const double fine = detail_ ? detail_->fineness(rest.point) : 1.0;
+        Vec3d smooth = apply_transposed(rest.jacobian, below.shading_normal);
+        if (smooth.length() > 0.0) smooth = smooth.normalized() * fine + at.geometric_normal * (1.0 - fine);
         at.shading_normal = smooth.length() > 0.0 ? into_hemisphere(smooth.normalized(), at.geometric_normal) : at.geometric_normal;
         at.uv = below.uv;
         at.texture_point = below.texture_point;
@@ -145,11 +154,28 @@ private:
         return g.length() > 0.0 ? g : Vec3d(0.0, 0.0, 1.0);
     }
 
+    /// The base with its coarser forms, as many as are seen in the box; nullptr if there are none. Grows the box by how far they may lie off.
+    static std::shared_ptr<const DetailField> detailed(const std::shared_ptr<const Surface>& base, Box3d& ground, const DetailView& view)
+    {
+        const std::vector<CoarserField> coarser = base->coarser_fields(view.footprint(distances(ground, view.eye).hi));
+        if (coarser.empty()) return nullptr;
+        std::vector<std::shared_ptr<const Field>> levels{std::shared_ptr<const Field>(base, base->field())};
+        std::vector<double> widths;
+        for (const CoarserField& c : coarser) {
+            levels.push_back(c.field);
+            // As wide as a pixel when it is all there is.
+            widths.push_back(0.5 * c.width);
+        }
+        ground.min.z -= coarser.back().width, ground.max.z += coarser.back().width;
+        return std::make_shared<DetailField>(std::move(levels), std::move(widths), view);
+    }
+
     std::shared_ptr<const Surface> base_;
     const WarpedSurface* inner_;
+    Box3d ground_;
+    std::shared_ptr<const DetailField> detail_;  ///< of the base; nullptr: it is as it is everywhere
     WarpedField field_;
     double open_, close_;
-    Box3d ground_;
     Instances rocks_;
 };
 
@@ -171,10 +197,20 @@ Shape make_warped(const Values& values, const BuildContext& context)
     const double close = values.has("intensity_close") ? values.number("intensity_close") : values.number("intensity") + rate * context.shutter[1];
     if (!(open >= 0.0 && close >= 0.0))
         throw values.problem("intensity_rate", "the intensity of a warp", "at least 0", fmt::format("{:.6g}", std::min(open, close)));
+    const double longest = std::max(open, close);
     FlowPtr flow = make_flow(values.tables("flow"), context.seed);
-    const std::string why_not = Warp::why_not(*flow, std::max(open, close));
-    if (!why_not.empty()) throw values.problem(open >= close ? "intensity" : "intensity_close", why_not, "a weaker or wider flow");
-    auto surface = std::make_unique<WarpedSurface>(base, Warp(std::move(flow), std::max(open, close)), Interval{open, close});
+    const auto check_flow = [&] {
+        const std::string why_not = Warp::why_not(*flow, longest);
+        if (!why_not.empty()) throw values.problem(open >= close ? "intensity" : "intensity_close", why_not, "a weaker or wider flow");
+    };
+    check_flow();
+    std::optional<DetailView> view;
+    if (values.boolean("lod") && context.view && context.view->spread > 0.0) {
+        view = DetailView{context.view->eye, context.view->spread, Warp(flow, longest).reach(bounds_of(*base))};
+        flow = make_flow(values.tables("flow"), context.seed, view, longest);
+        check_flow();
+    }
+    auto surface = std::make_unique<WarpedSurface>(base, Warp(std::move(flow), longest), Interval{open, close}, view);
 
     PatchSettings settings;
     settings.domain = surface->domain();
@@ -186,6 +222,7 @@ Shape make_warped(const Values& values, const BuildContext& context)
             throw values.problem(values.has("region_max") ? "region_max" : "base", "the region to trace is empty", "min below max");
     const Vec3d size = settings.domain.size();
     settings.size = values.has("patch") ? values.number("patch") : std::max({size.x, size.y, size.z}) / 160.0;
+    if (context.view) settings.focus = context.view->eye, settings.growth = values.number("growth");
     read_search(values, settings);
     settings.epsilon_distance = values.number("epsilon_distance");
     if (context.progress) context.progress(0.3, "patches");
@@ -226,6 +263,16 @@ CatalogueEntry warped_row()
          .unit = "m",
          .minimum = 0,
          .above_minimum = true},
+        {.name = "growth",
+         .type = ParameterType::number,
+         .doc = "How much larger boxes are a metre of horizontal distance from the eye.",
+         .fallback = 0.0,
+         .minimum = 0,
+         .maximum = 1},
+        {.name = "lod",
+         .type = ParameterType::boolean,
+         .doc = "Fades out octaves of flows, and takes coarser forms of a base of layers or sampled heights, where a pixel does not resolve them.",
+         .fallback = true},
         {.name = "region_min", .type = ParameterType::vector, .doc = "Lower corner of what is traced.", .unit = "m", .min_count = 3, .max_count = 3},
         {.name = "region_max", .type = ParameterType::vector, .doc = "Upper corner of what is traced.", .unit = "m", .min_count = 3, .max_count = 3},
         {.name = "epsilon_distance",

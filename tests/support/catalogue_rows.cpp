@@ -313,6 +313,7 @@ BuiltRow build_row(const RowInstance& instance, const Vec3d& shift)
     BuildContext context;
     context.name = instance.name;
     context.seed = hash_name(1, instance.name);
+    context.view = instance.view;
     // A base is the instance of that name, moved alike.
     context.base = [&](const std::string& name, const Source&) -> std::shared_ptr<const Surface> {
         const auto& rows = row_instances();

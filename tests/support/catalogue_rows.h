@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct RowInstance {
     std::string name;                               ///< of this instance, for the reports
     std::function<std::string(const Vec3d&)> text;  ///< TOML of the row's parameters, the whole thing moved by a vector
     double trusted = 1.0;                           ///< middle share of the bounds where contains() knows where the surface ends
+    std::optional<Viewpoint> view = {};             ///< where it is seen from; absent: full detail everywhere
 };
 
 /// Several instances a row where the row has several ways to be traced.

@@ -64,7 +64,7 @@ std::vector<CanyonShape> shapes()
     plain.sediment = 0.35;
     seen = plain;
     seen.octaves = 8;
-    seen.view = ProfileView{Vec3d(0.3, -0.4, 0.5), 0.02};
+    seen.view = DetailView{Vec3d(0.3, -0.4, 0.5), 0.02, 0.0};
     CanyonShape lifted = seen;
     lifted.lift = 0.2;
     lifted.lift_wavelength = 1.5;
@@ -157,7 +157,7 @@ TEST(Canyon, a_lift_carries_layers_and_plateau_and_leaves_the_floor)
         EXPECT_NEAR(field.wall().value(p), flat.wall().value(p - Vec3d(0, 0, s)), 1e-13);
         EXPECT_NEAR(field.plateau(p), flat.plateau(p) - s, 1e-14);
         EXPECT_EQ(field.floor(p), flat.floor(p));
-        EXPECT_TRUE(CanyonLift::over(lifted, Box3d(p - Vec3d(0.3), p + Vec3d(0.2))).contains(s));
+        EXPECT_TRUE(CanyonLift::over(lifted, Box3d(p - Vec3d(0.3), p + Vec3d(0.2))).value.contains(s));
     }
     // A noise within +- 0.7072 seldom passes +- 0.5.
     EXPECT_LT(least, -0.05);
