@@ -216,10 +216,10 @@ LocalField CanyonWall::local(const Box3d& box) const
     const double rounding = 1e-12 * (w + std::abs(box.min.x) + std::abs(box.min.y));
     known.value = {-w * (n + upper) - spread - rounding, -w * (n + lower) + spread + rounding};
     // d2F = F_xx + 2 F_xT dT + F_TT dT^2 + F_T d2T, with |dT| <= c sideways + s upright.
-    const double by = by_time.magnitude();
-    known.curvature = across + 2.0 * mixed * sideways + timed * sideways * sideways + by * t.across * w;
-    known.mixed = mixed * upright + timed * sideways * upright + by * t.mixed * w;
-    known.upright = timed * upright * upright + by * t.upright * w + curve;
+    const double pull = by_time.magnitude();
+    known.curvature = across + 2.0 * mixed * sideways + timed * sideways * sideways + pull * t.across * w;
+    known.mixed = mixed * upright + timed * sideways * upright + pull * t.mixed * w;
+    known.upright = timed * upright * upright + pull * t.upright * w + curve;
     return known;
 }
 
