@@ -5,6 +5,10 @@
 // about the eye's place (or the origin), in patches that grow with the distance. Mode "paper" takes the walls by the area test instead, whole rays at
 // a time. Deviations: strata are colours by height of the look, and the deposit at the foot shows as sand. The vertical deformation of section 5
 // lifts layers and plateau by a noise of the plan.
+// Missing: the map of arrival times tau*(x, y), rock where T(z) < tau*, whose boxes need not be as flat as a layer. Over a box its distance from a
+// quadratic is provable as patch_model.h proves its own, by D2 tau* = -(F_xx + 2 F_xT tau_x + F_TT tau_x^2) / F_T, but only where |F_T|, which is
+// |grad n|^2, is bounded from below: about the noise's critical points, and where they are what a wall is made of, the present boxes would have to
+// stay.
 #include "terrain/error.h"
 #include "terrain/fields/canyon.h"
 #include "terrain/surfaces/marched_surface.h"

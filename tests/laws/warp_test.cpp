@@ -90,6 +90,19 @@ TEST(Warped, no_crossing_is_missed_where_detail_fades)
     }
 }
 
+TEST(Canyon, no_crossing_is_missed_in_its_layers_lifted_or_fading)
+{
+    // Octaves of 0.33 m down to 1 cm; from 1 to 8 m away pixels are 4 cm to 30 cm wide.
+    const std::string canyon = "cell = 4.0\nheight = 4.0\nextent = 4.0\ncentre = [2, 1, 2]\npatch = 0.6\ngrowth = 0.0\n";
+    for (const std::string more : {"octaves = 4\n", "octaves = 3\nlift = 0.3\nlift_wavelength = 1.0\n", "octaves = 6\nlod = true\n"}) {
+        RowInstance row{"canyon", "canyon_test", [=](const Vec3d&) { return canyon + more; }, 0.9};
+        row.view = Viewpoint{Vec3d(-2.5, 1.0, 5.0), 0.04};
+        const BuiltRow built = build_row(row);
+        const Verdict verdict = nearest_is_nearest(built.surface(), law_rays(built.surface(), 33, count(1500, 100000)), 0.9);
+        EXPECT_TRUE(verdict.holds()) << more << verdict.fault;
+    }
+}
+
 TEST(Warped, at_any_time_of_the_shutter_is_the_still_surface_of_that_intensity)
 {
     // The intensity grows from 0.2 to 0.6 while the shutter is open: at the time s it is 0.2 + 0.4 s. Vertices joined by straight lines would be off
