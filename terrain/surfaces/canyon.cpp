@@ -99,12 +99,21 @@ private:
     bool in_air(const Vec3d& p) const
     {
         const int sign = canyon_.wall().certain_sign(p, hair_);
-        return sign > 0 || (sign == 0 && canyon_.wall().value(p) > hair_);
+        return sign > 0 || (sign == 0 && wall_value(p) > hair_);
     }
     bool in_rock(const Vec3d& p) const
     {
         const int sign = canyon_.wall().certain_sign(p, hair_);
-        return sign < 0 || (sign == 0 && canyon_.wall().value(p) < -hair_);
+        return sign < 0 || (sign == 0 && wall_value(p) < -hair_);
+    }
+    /// In SIMD lanes eight points cost less than one by itself.
+    double wall_value(const Vec3d& p) const
+    {
+        Vec3d same[batch];
+        double all[batch];
+        std::fill_n(same, batch, p);
+        canyon_.wall().values(same, all);
+        return all[0];
     }
 
     const CanyonField& canyon_;
