@@ -107,7 +107,9 @@ TEST(DetailField, of_layers_and_of_heights_obeys_the_laws_of_fields)
         // Where all levels agree on the side, so does the field.
         const double a = ConvolutionField(ground, 0.5).value(p), b = ConvolutionField(ground, 1.0).value(p),
                      c = ConvolutionField(ground, 2.0).value(p);
-        if ((a < 0.0) == (b < 0.0) && (b < 0.0) == (c < 0.0)) EXPECT_EQ(layers.value(p) < 0.0, a < 0.0) << p;
+        if ((a < 0.0) == (b < 0.0) && (b < 0.0) == (c < 0.0)) {
+            EXPECT_EQ(layers.value(p) < 0.0, a < 0.0) << p;
+        }
         const Vec3d u = random.direction();
         // Kinks of the kernel lie elsewhere but for one in 1e3.
         const double h = 1e-7, slope = (layers.value(p + u * h) - layers.value(p - u * h)) / (2 * h);
