@@ -77,7 +77,7 @@ TEST(Warped, no_crossing_is_missed_where_detail_fades)
             const BuiltRow built = build_row(row);
             row.view.reset();
             const BuiltRow plain = build_row(row);
-            const std::vector<Ray> rays = law_rays(built.surface(), 32, count(600, 100000));
+            const std::vector<Ray> rays = law_rays(built.surface(), 32, count(300, 100000));
             const Verdict verdict = nearest_is_nearest(built.surface(), rays, trusted(base));
             EXPECT_TRUE(verdict.holds()) << base << ", " << flow << verdict.fault;
             EXPECT_TRUE(normals_are_gradients(built.surface(), rays).holds()) << base << ", " << flow;
