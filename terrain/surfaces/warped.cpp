@@ -157,14 +157,14 @@ private:
     /// The base with its coarser forms, as many as are seen in the box; nullptr if there are none. Grows the box by how far they may lie off.
     static std::shared_ptr<const DetailField> detailed(const std::shared_ptr<const Surface>& base, Box3d& ground, const DetailView& view)
     {
-        const std::vector<CoarserField> coarser = base->coarser_fields(view.footprint(distances(ground, view.eye).hi));
+        const std::vector<CoarserField> coarser = base->coarser_fields(2.0 * view.footprint(distances(ground, view.eye).hi));
         if (coarser.empty()) return nullptr;
         std::vector<std::shared_ptr<const Field>> levels{std::shared_ptr<const Field>(base, base->field())};
         std::vector<double> widths;
         for (const CoarserField& c : coarser) {
             levels.push_back(c.field);
-            // As wide as a pixel when it is all there is.
-            widths.push_back(0.5 * c.width);
+            // From four pixels wide, where it begins, to two, where it is all there is: as octaves fade.
+            widths.push_back(0.25 * c.width);
         }
         ground.min.z -= coarser.back().width, ground.max.z += coarser.back().width;
         return std::make_shared<DetailField>(std::move(levels), std::move(widths), view);
