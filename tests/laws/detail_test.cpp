@@ -40,8 +40,9 @@ struct Dolly {
     Vec3d eye, step;
     int width = 96, height = 48;
     double horizon = 0.35;  ///< share of the height above it
+    int rays = 1;           ///< along the side of a pixel: width and height count rays
 
-    double spread() const { return 0.8 / width; }
+    double spread() const { return 0.8 * rays / width; }
 };
 
 /// A picture without noise, looking along x: how bright the ground is in each pixel, below 0 where there is none.
@@ -98,7 +99,7 @@ Verdict neither_pops_nor_flickers(const Seen& terrain, const Dolly& dolly, int f
 /// A thousandth of the distance to what is seen each frame: nothing moves by a pixel of itself.
 const Dolly kNear{Vec3d(-45.0, 0.3, 14.0), Vec3d(0.04, 0.0, 0.0)};
 const Dolly kRim{Vec3d(-29.0, 0.3, 14.0), Vec3d(0.03, 0.0, 0.0)};
-const Dolly kFar{Vec3d(-90.0, 0.3, 25.0), Vec3d(0.09, 0.0, 0.0), 64, 40, 0.1};
+const Dolly kFar{Vec3d(-90.0, 0.3, 25.0), Vec3d(0.09, 0.0, 0.0), 96, 60, 0.1, 2};
 
 Seen canyon()
 {
