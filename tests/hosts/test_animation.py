@@ -68,15 +68,17 @@ def test_a_frame_rendered_alone_is_the_same_file(folder):
     assert pixels(folder / "w.0001.exr") != pixels(folder / "w.0003.exr")
 
 
-def test_a_frame_of_a_breaking_wave_alone_is_the_frame_of_the_sequence(folder):
-    sea = SCENE.replace("[terrain.floor]\ntype = \"plane\"\npoint = [0, 0, \"= 0.5 * t\"]", """[terrain.sea]
+SEA = SCENE.replace("[terrain.floor]\ntype = \"plane\"\npoint = [0, 0, \"= 0.5 * t\"]", """[terrain.sea]
 type = "breaking_wave"
 extent = 200
 time = 2
 [[terrain.sea.wave]]
 centre = [15, 0]""")
-    assert "breaking_wave" in sea
-    (folder / "wave.toml").write_text(sea)
+assert "breaking_wave" in SEA
+
+
+def test_a_frame_of_a_breaking_wave_alone_is_the_frame_of_the_sequence(folder):
+    (folder / "wave.toml").write_text(SEA)
     render(folder, "--frames", "15-19", "--spp", 4, "-o", "w.####.exr")
     render(folder, "--frame", 17, "-t", 2, "--spp", 4, "-o", "alone.exr")
     assert (folder / "alone.exr").read_bytes() == (folder / "w.0017.exr").read_bytes()
@@ -92,14 +94,16 @@ def test_noise_differs_by_the_frame_unless_its_seed_is_locked(folder):
     assert pixels(folder / "locked.1.exr") == pixels(folder / "locked.2.exr")
 
 
-def test_a_killed_run_goes_on_to_the_same_files(folder):
-    arguments = ["render", "wave.toml", "--reproducible", "--frames", "1-6", "--spp", "256", "-o", "w.#.exr", "-q"]
+@pytest.mark.parametrize("scene, spp", [(SCENE, 256), (SEA, 16)], ids=["plane", "sea"])
+def test_a_killed_run_goes_on_to_the_same_files(folder, scene, spp):
+    (folder / "wave.toml").write_text(scene)
+    arguments = ["render", "wave.toml", "--reproducible", "--frames", "1-6", "--spp", spp, "-o", "w.#.exr", "-q"]
     assert hoodoo(*arguments, cwd=folder).returncode == 0
     whole = {p.name: p.read_bytes() for p in folder.glob("w.?.exr")}
     for number, code in ((signal.SIGKILL, -9), (signal.SIGTERM, 143)):
         for path in folder.glob("w.?.exr"):
             path.unlink()
-        run = subprocess.Popen([HOODOO, *arguments, "--skip-existing"], cwd=folder, stderr=subprocess.DEVNULL)
+        run = subprocess.Popen([HOODOO, *map(str, arguments), "--skip-existing"], cwd=folder, stderr=subprocess.DEVNULL)
         deadline = time.monotonic() + 120
         while not (folder / "w.2.exr").exists() and time.monotonic() < deadline and run.poll() is None:
             time.sleep(0.002)

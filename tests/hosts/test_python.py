@@ -2,6 +2,7 @@
 import gc
 import math
 import os
+import pathlib
 import resource
 import signal
 import subprocess
@@ -313,3 +314,12 @@ def test_edits_of_a_scene_wait_for_the_threads_that_look_at_it():
 def test_a_scene_not_loaded_for_edits_says_so():
     with pytest.raises(hoodoo.Error, match="this scene was not loaded for edits"):
         hoodoo.load(LIVING).edit("sculpt", target=[14, 16, 5], radius=4)
+
+
+def test_foam_covers_its_share_of_the_breaking_wave():
+    """The share of the first surface that is foam, over the whole picture: 0.117 at full size."""
+    wave = pathlib.Path(__file__).resolve().parent.parent.parent / "scenes/breaking_wave.toml"
+    image = hoodoo.load(str(wave)).render(width=96, height=54, spp=4)
+    foam, water = image["material.foam"], image["material.water"]
+    assert 0.08 <= foam.mean() <= 0.25
+    assert water.mean() > foam.mean(), "it is still a sea"
